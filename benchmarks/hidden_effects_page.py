@@ -57,7 +57,7 @@ def page(lines: Sequence[Line], cases: Sequence[HiddenCase], effort: str, tag: s
         "## Amplitudes",
         amplitude_table(ours),
         "## Every case that is not strictly right",
-        "`visible` is the measure of detectability above; p is the chance of the first gain on twins with nothing missing. "
+        "`visible` is the measure of detectability above; p is the chance of the first gain on null replicates. "
         "The logs of a case: `python -m tests.truth OUT --effect NAME --strength STRENGTH --seed SEED --contact CONTACT --form "
         "random`, with the contact as the ledger has it.",
         failures_table(ours),
@@ -87,7 +87,7 @@ The cases were run in random order; they stand in `benchmarks/results/hidden_eff
 law, other noise, its own writer. But the same people wrote both, so what they did not think of is in neither. The rigs
 have seeds {min(seeds)} to {max(seeds)}; development has looked at many below {seen}. The plant's effects and strengths are
 those that development looked at, and ten laws of the library were widened or changed after seeing those of this plant
-(`docs/decisions/effects.md`). Thresholds come from twins of each campaign and from rigs with nothing missing
+(`docs/decisions/effects.md`). Thresholds come from null replicates of each campaign and from rigs with nothing missing
 (docs/levels.md), or stand by hand (`docs/decisions/decision.md`)."""
 
 
@@ -106,7 +106,7 @@ def _counting() -> str:
 * **Taken out**: the diagnosis runs without the effect and those that are the same thing ({len(TAKEN_OUT)} effects, strong).
 * **Removable error**: of detectable cases of the library with an error on held-out tests of 1.1 times the best possible at least,
   whatever was said. Best possible: the median of what the calibrated model leaves on the rigs with nothing hidden, and
-  again with the floor itself.
+  again with the noise floor itself.
 * **Coverage**: where the verdict was strictly right; base parameters that an effect of another law redefines are left out.
 * **Intervals** of shares in brackets: 95 %, Wilson. Amplitudes: of effects that were named."""
 

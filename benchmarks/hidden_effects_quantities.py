@@ -27,7 +27,7 @@ def removed(lines: Sequence[Line], nulls: Sequence[Line]) -> list[Measure]:
         # what the calibrated model leaves on rigs with nothing hidden, in units of the floor
         references = {
             "what nulls with the same contact leave": lambda line: bare.get(line.get("contact", "")) or bare[""],
-            f"what nulls leave, {bare['']:.2f} x floor": lambda line: bare[""],
+            f"what nulls leave, {bare['']:.2f} x noise floor": lambda line: bare[""],
             **references,
         }
     rows = []

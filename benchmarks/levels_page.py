@@ -77,7 +77,7 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
     )
     parts.append(
         table(
-            "called outside where nothing is missing, by the margin on the limit of the twins",
+            "called outside where nothing is missing, by the margin on the limit of the null replicates",
             ["margin", *sets],
             (
                 [f"{asked:.4g}", *(share(over(rows) > asked) for rows in sets.values())]
@@ -87,8 +87,8 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
     )
     parts.append(
         table(
-            "chance: the share of rigs whose p is at most as large, by twins alone and as it is told",
-            ["p at most", *(f"{kind}, {name}" for name in sets for kind in ("twins", "told"))],
+            "chance: the share of rigs whose p is at most as large, by null replicates alone and as reported",
+            ["p at most", *(f"{kind}, {name}" for name in sets for kind in ("null replicates", "reported"))],
             ([f"{p:g}", *(share(found <= p) for rows in sets.values() for found in (twins(rows), told(rows)))] for p in SHARES),
         )
     )
@@ -188,9 +188,9 @@ HEAD = """# Levels of the joint's verdict
 Made by `make levels`; no line is written by hand. {count} rigs of another program (`tests/truth`), each with one of four laws of
 dry contact and nothing missing, are diagnosed with the whole library, {tests} tests each. Some effects take up what a contact
 leaves that is off in form, others hardly, so that a gain counts by what that effect promises on these rigs on average. The best
-effect gains {gain:.3g} times that, and more than 95 % of the rig's own twins, on a share of {level:g} of them: so much is asked
-before an effect is named. The same share leaves {margin:.3g} times what 95 % of their twins leave: a model that leaves more is
-outside the library. Both together are one rig in twenty. The table is
+effect gains {gain:.3g} times that, and more than 95 % of the rig's own null replicates, on a share of {level:g} of them: so much
+is asked before an effect is named. The same share leaves {margin:.3g} times what 95 % of their null replicates leave: a model that
+leaves more is outside the library. Both together are one rig in twenty. The table is
 `hjcamp/plants/pump_joint/diagnosis/levels/nulls.csv`, from which the program reads both numbers. Intervals are Wilson's, 95 %.
 Verdicts are those of the code that made each table; the levels come from it.
 

@@ -191,7 +191,7 @@ def refuse_links(path: Path) -> None:
         for part in whole.relative_to(root).parts:
             place /= part
             if place.is_symlink():
-                raise UsageError(f"{shown_path(place)} is a link; beside logs nothing is written through a link: remove it")
+                raise UsageError(f"{shown_path(place)} is a link; next to logs nothing is written through a link: remove it")
         if place.exists() and not place.is_file() and not place.is_dir():
             raise UsageError(f"{shown_path(place)} is a pipe or a device, and stands where a file is written: remove it")
 

@@ -23,7 +23,7 @@ GROUPS: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = (
     (("friction_compliance",), ("table_5_6_1",)),
     (("feedforward_simulation",), ("table_5_3_2",)),
 )
-HEADING = """# Fidelity: the published cells beside the simulated means
+HEADING = """# Fidelity: the published cells and the simulated means
 
 Made by `python benchmarks/published/fidelity.py`: 7 repetitions of each test, seed {seed}, model `published`. Nothing here is tuned;
 a cell that is off stays off. Angles in degrees; the deviation is that of the 7 repetitions. `in std` is the difference in

@@ -15,7 +15,7 @@ COMMON_CAUSE = [
     "  3.1 and 4.8 (141 and 143 rad/s); Table 5.3.1: 1.14 and 1.32.",
     "* Loop gain, and the drop from static to Coulomb friction: 5.3.2 ramp_pos, RMSE1 1.48.",
     "  Half the scale 1.38; static friction at Coulomb 0.87; both 0.36.",
-    "* Payload, cycloid_neg with PID, RMSE1 21.8 (pump at its speed limit in 55 % of the samples, lines at the vapour floor).",
+    "* Payload, cycloid_neg with PID, RMSE1 21.8 (pump at its speed limit in 55 % of the samples, lines at the vapour limit).",
     "  Scale 1.5, which is linearly stable, 6.8 without oscillation; static friction at Coulomb 3.1.",
     "* An independent solution of the same equations in SciPy gives the same oscillation with the payload, 70.6 deg peak to",
     "  peak (docs/validation.md): it belongs to the printed model and gains, not to the solver.",

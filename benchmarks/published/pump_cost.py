@@ -21,11 +21,11 @@ SHOWN = ("rmse1_deg", "e_max_deg")
 PAGE = Path(__file__).parents[2] / "docs" / "pump_cost.md"
 HEADING = """# What the weaker pump costs
 
-Made by `make pump_cost`: every campaign of chapters 4 and 5 with `pump=pump1 amplifier=low_gain` beside `pump=pump2
+Made by `make pump_cost`: every campaign of chapters 4 and 5 with `pump=pump1 amplifier=low_gain` relative to `pump=pump2
 amplifier=high_gain`, {repetitions} repetitions on the simulator, 1 on the virtual rig, seed 1. Pump 1 moves 0.40 of the water for
 the same motor angle and has its -3 dB at 4.1 Hz (pump 2: 20.7 Hz); its gains of `controller/gains=experiment` are its own
 (conf/pump/pump1.yaml). Where a campaign fixes other gains (`pid_design`, `feedforward_simulation`, `friction_compliance`), they
-are those of pump 2, and the loop of pump 1 may hunt with them or run away (tests not done): that is shown, not mended.
+are those of pump 2, and the loop of pump 1 may hunt with them or diverge (tests not done): that is shown, not mended.
 The gains of pump 2 were tuned on the real rig and
 hunt on the published model (E14), those of pump 1 on the simulator: a ratio below 1 says that, not that the weaker pump is
 better. `pid` rows that do not hunt are the fair ones: 1.3 to 1.6 times in RMSE1. Angles in degrees.

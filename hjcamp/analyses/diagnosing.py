@@ -94,7 +94,7 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
         better = better_base(analysis, verdict.shown, fits)
         if better is None:
             break
-        report("the base fits better elsewhere: looked at anew from there", 0.05)
+        report("better optimum found for the base parameters; restarting", 0.05)
         known.base = better
         analysis, verdict = agreed(at(), lambda width: at(width=width))
     analysis = replace(analysis, floor=not_above(analysis.floor, verdict.shown.fitted.features))

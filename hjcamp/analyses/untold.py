@@ -25,13 +25,13 @@ def untold(analysis: Analysis) -> list[str]:
     covariance = np.asarray(np.linalg.pinv(fitted.information), dtype=np.float64)
     alike = np.abs(correlation_of(covariance)) > ALIKE
     base = analysis.measured.plant.base_parameters
-    found = intervals(fitted, analysis.search.chapters)
+    found = intervals(fitted, analysis.search.blocks)
     wide = [not one.told or one.high - one.low > 2.0 * MATTERS * abs(one.value) for one in found]
     kept = [k for k, one in enumerate(found) if not one.effect and one.name in base and wide[k]]
     group = connected_components(alike[np.ix_(kept, kept)], directed=False)[1]
     groups = [[found[k].name for k, own in zip(kept, group, strict=True) if own == each] for each in dict.fromkeys(group)]
     return [
-        f"These tests do not tell {', '.join(names[:-1])} and {names[-1]} apart: give one of them (base=False)."
+        f"These tests do not distinguish {', '.join(names[:-1])} and {names[-1]}: give one of them (base=False)."
         for names in groups
         if len(names) > 1
     ]

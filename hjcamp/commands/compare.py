@@ -22,7 +22,7 @@ def compare(
     paths: Annotated[list[Path] | None, typer.Argument(help="Run folders, folders of logs, or log files.")] = None,
     model: Annotated[list[str] | None, typer.Option(help="A saved model; may be repeated.")] = None,
     json: AnswerFile = None,
-    into: Annotated[Path | None, typer.Option(help="The folder of the page; compare, beside the logs, by default.")] = None,
+    into: Annotated[Path | None, typer.Option(help="The folder of the page; compare, next to the logs, by default.")] = None,
     tables: Annotated[
         str | None,
         typer.Option(help="Compare with tables instead: 5.4.1 and further ones, or a CSV file and campaign=NAME."),

@@ -30,7 +30,7 @@ def diagnose(
     ] = None,
     json: AnswerFile = None,
     effort: Annotated[str, typer.Option(help="quick, standard or thorough.")] = "standard",
-    seed: Annotated[int, typer.Option(help="Seed of the simulated twins.")] = 1,
+    seed: Annotated[int, typer.Option(help="Seed of the simulated null replicates.")] = 1,
     workers: Annotated[
         int | None, typer.Option(help="Processes; every processor, 4 at most, by default. The answer is the same.")
     ] = None,

@@ -151,7 +151,7 @@ def kernel_cache() -> Iterator[Finding]:
         return
     folder = cache_folder()
     if folder.parent.name.startswith(TEMPORARY):
-        yield "note", "kernels", "the cache folder cannot be written: kernels are compiled anew in every call"
+        yield "note", "kernels", "the cache folder cannot be written: kernels are compiled again in every call"
     else:
         yield "good", "kernels", f"{len(list(folder.glob('*.py')))} compiled kernels are kept in {folder}"
 

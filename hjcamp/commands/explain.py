@@ -19,7 +19,7 @@ def explain(
     word: Annotated[
         list[str] | None,
         typer.Argument(
-            help="A word, such as floor, 'posterior weight' or path; none for all of the answers.", show_default=False
+            help="A word, such as 'noise floor', 'posterior weight' or path; none for all of the answers.", show_default=False
         ),
     ] = None,
     json: AnswerFile = None,

@@ -52,7 +52,7 @@ def register(app: typer.Typer) -> None:
 def import_table(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="The files, all by one map.")],
     mapping: Annotated[Path, typer.Option("--map", help="Which column is which field, in which unit (YAML).")],
-    into: Annotated[Path | None, typer.Option(help="The folder of the new logs; beside each file by default.")] = None,
+    into: Annotated[Path | None, typer.Option(help="The folder of the new logs; next to each file by default.")] = None,
     output: Annotated[Path | None, typer.Option(help="The new log of one file; FILE.mcap by default.")] = None,
     json: AnswerFile = None,
 ) -> None:

@@ -211,8 +211,8 @@ def run_tests(name: str) -> dict[str, Any]:
     if plant.measured:
         with console.status("compiling two kernels of this plant and running it"):
             told, seen = identified(plant), effects_seen(plant, library_of(plant).effects)
-        console.print(f"  {'base can be told':<26} {told}", markup=False)
+        console.print(f"  {'base identifiable':<26} {told}", markup=False)
         console.print(f"  {'effects that show':<26} {seen}", markup=False)
-        passed |= {"base can be told": str(told), "effects that show": str(seen)}
+        passed |= {"base identifiable": str(told), "effects that show": str(seen)}
     console.print(bold(name, f" passes; see what fits it: hjcamp plants {name}"))
     return {"schema": "hjcamp.checks/1", "of": "plant", "passed": [{"name": name, "checks": passed}]}

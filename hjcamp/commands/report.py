@@ -23,7 +23,9 @@ def register(app: typer.Typer) -> None:
 
 def report(
     path: Annotated[Path, typer.Argument(help="A run folder or a folder of logs.")],
-    against: Annotated[str | None, typer.Option(help="What stands beside: published, or another run folder.")] = "published",
+    against: Annotated[
+        str | None, typer.Option(help="What is shown next to it: published, or another run folder.")
+    ] = "published",
     check: Annotated[
         str | None, typer.Option(help="Fail where a mean is outside these tolerances: a YAML file, or default.")
     ] = None,

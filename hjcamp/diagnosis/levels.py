@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-# One claim in twenty may be wrong: chance of the screening, paired comparisons of models over chapters.
+# One claim in twenty may be wrong: chance of the screening, paired comparisons of models over blocks.
 LEVEL = 0.05
 # Equal readings in a row at the largest or smallest of all are the sensor's end where chance makes such a row anywhere in the logs,
 # at either end of any sensor, less often than this: one claim in twenty (`hjcamp.diagnosis.data.saturation` counts them).

@@ -28,7 +28,7 @@ class {title}(Effect):
     .. math:: {equation}
 
     Seen as: how a test shows it.
-    Not for: what looks alike, and is not it.
+    Not for: what looks similar, and is not it.
     Source: where the equation comes from.
     """
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from hjcamp.analyses.adding import Added
     from hjcamp.analyses.diagnosing import Asked
 
-OVER_FLOOR = "error over floor"
+OVER_FLOOR = "error over noise floor"
 
 
 def said_of(data: Data) -> Any:

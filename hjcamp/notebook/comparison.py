@@ -31,12 +31,12 @@ class Comparison(Result):
     @property
     def title(self) -> str:
         """The scores in one line."""
-        shown = {name: "runs away" if value is None else f"{value:.2f}" for name, value in self.scores.items()}
-        return "error over floor: " + ", ".join(f"{name} {value}" for name, value in shown.items())
+        shown = {name: "diverges" if value is None else f"{value:.2f}" for name, value in self.scores.items()}
+        return "error over noise floor: " + ", ".join(f"{name} {value}" for name, value in shown.items())
 
     @property
     def scores(self) -> dict[str, float | None]:
-        """The error of each model over the floor, geometric mean of the channels; nothing of one that runs away."""
+        """The error of each model over the floor, geometric mean of the channels; nothing of one that diverges."""
         return {one["name"]: one["score"] for one in self.answer["models"]}
 
     @property
@@ -66,7 +66,7 @@ def compare(tests: Tests, model: object = "published", progress: Callable[[str, 
     """Return how far one or several models are off on measured tests, and where; `hjcamp compare`.
 
     ``tests`` are loaded ones or paths, ``model`` a name or a list of names (or what `add` gave); ``progress`` hears (what is
-    done, share). Raises ``UsageError`` for a model that is not there, ``HjcampError`` for one that runs away.
+    done, share). Raises ``UsageError`` for a model that is not there, ``HjcampError`` for one that diverges.
 
     >>> found = hjcamp.compare("logs")
     >>> found.frame.columns

@@ -54,7 +54,7 @@ class Added(Model):
     def title(self) -> str:
         """The effects and how the error falls."""
         told = " -> ".join(f"{value:.2f}" for name, value in self.errors.items() if name != "floor")
-        return f"{self.name} = model with {', '.join(self.answer['effects'])}: error over floor {told}"
+        return f"{self.name} = model with {', '.join(self.answer['effects'])}: error over noise floor {told}"
 
     def sentences(self) -> list[str]:
         """Return whether the effects help, and where the model is."""
@@ -79,7 +79,8 @@ class Added(Model):
         """Return the errors before and after as bars, and the floor."""
         from hjcamp.report.pictures.drawing import draw_errors
 
-        return figure_of(draw_errors, list(self.errors.items()), self.over, "floor" in self.errors)
+        rows = [(name.replace("floor", "noise floor"), one) for name, one in self.errors.items()]
+        return figure_of(draw_errors, rows, self.over, "floor" in self.errors)
 
 
 @dataclass(frozen=True, repr=False)

@@ -75,7 +75,7 @@ def of_the_plan(logs: Sequence[TestLog], paths: Sequence[str | Path], say: Calla
     left_out = {id(log) for log in searched} - {id(log) for log in planned_only(searched, say)}
     logs = [log for log in logs if id(log) not in left_out]
     if not logs:
-        raise UsageError(f"{', '.join(map(str, paths))}: no log is a test of the plan beside it")
+        raise UsageError(f"{', '.join(map(str, paths))}: no log is a test of the plan next to it")
     refuse_mixed_plants(logs)
     return logs
 

@@ -45,7 +45,7 @@ def told_glitches(name: str, values: Array, times: Array, unit: str, analog: boo
         yield (
             f"'{name}' jumps {counted(len(turns), 'time')} from one end of its range to the other and goes on, first from "
             f"{values[at - 1]:.4g} to {values[at]:.4g} {unit} at {times[at]:.6g} s, as a counter or an angle that wraps around: import "
-            "with unwrap in the map beside its column, after how much it begins again (65536, 360)"
+            "with unwrap in the map next to its column, after how much it begins again (65536, 360)"
         )
     held = freezes(values) if analog else []
     if held:

@@ -59,10 +59,10 @@ def read_manifest(file: Path, plan: Plan) -> dict[str, Any]:
     try:
         content: dict[str, Any] = read_json_file(file, _Manifest, SCHEMA)[0]
         if content["plan_sha256"] != plan.sha256:
-            raise UsageError(f"{file}: plan_sha256 is not that of the plan beside it")
+            raise UsageError(f"{file}: plan_sha256 is not that of the plan next to it")
         planned = {test.id for test in plan.tests}
         if other := sorted(planned ^ set(content["tests"])):
-            raise UsageError(f"{file}: tests are not those of the plan beside it: {', '.join(other[:3])}")
+            raise UsageError(f"{file}: tests are not those of the plan next to it: {', '.join(other[:3])}")
     except UsageError as error:
-        raise UsageError(f"{error}. Delete the file, and it is made anew from the logs") from error
+        raise UsageError(f"{error}. Delete the file, and it is made again from the logs") from error
     return content

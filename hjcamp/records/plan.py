@@ -157,7 +157,7 @@ def _shape_problem(plan: Plan) -> str | None:
 
 
 def _hash_problem(plan: Plan) -> str | None:
-    remedy = "put the file back as it was, or run anew with run_dir=DIR"
+    remedy = "put the file back as it was, or run again with run_dir=DIR"
     for one in plan.conditions:
         found = config_sha256(one.config)
         if found != one.sha256:

@@ -268,7 +268,7 @@ def verdict(comparison: pl.DataFrame, differs: Mapping[str, Sequence[str]]) -> s
     others = f" Not judged: {left} of another configuration." if left else ""
     if not cells.height:
         stand = counted(comparison.height, "published value stands", "published values stand")
-        return f"{stand} beside, without a published deviation.{others}"
+        return f"{stand} next to it, without a published deviation.{others}"
     return (
         f"{cells.height - outside} of {counted(cells.height, 'mean')} within {FAR_OFF:g} published standard deviations of the"
         f" published mean, {outside} outside.{others}"

@@ -55,7 +55,7 @@ def place_table(rows: Sequence[Mapping[str, Any]]) -> str:
     if not rows:
         return ""
     table = table_of(("subsystem", "by", "where", "share", "z"), [place_cells(row) for row in rows[:PLACES]])
-    said = "The cuts by different variables divide the same error anew, so they do not add up."
+    said = "The cuts by different variables are alternative breakdowns of the same error, so they do not add up."
     more = f" {PLACES} of {len(rows)} rows; all are in the answer for programs (--json)." if len(rows) > PLACES else ""
     sign = (
         "z: the mean over the tests in standard errors, from the scatter between repetitions; in a part + where the model reads too "

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 NEAR = 1.3
-WORST = ("condition", "channel", "error / floor", "shared by repetitions")
+WORST = ("condition", "channel", "error / noise floor", "shared by repetitions")
 NO_FLOOR = (
-    "No test was repeated, so there is no floor, and nothing tells how much of the error is the model's; "
-    "repetitions of the same tests give one (3 of each condition are usual: hjcamp run ... repetitions=3)."
+    "No test was repeated, so repeatability is unknown, and so is how much of the error is the model's; "
+    "repetitions of the same tests show it (3 of each condition are typical: hjcamp run ... repetitions=3)."
 )
 WORSE = 1.02
 

@@ -9,73 +9,79 @@ from html import escape
 
 #: Names in the order of a reader's way through an answer; others of the same meaning stand in `ALSO`.
 WORDS: Mapping[str, str] = {
-    "floor": "The error below which no model can go: what repetitions of a test do not share, else what alike moments differ by, "
-    "else (a lower bound) the sensor's noise.",
+    "noise floor": "Repeatability, the error below which no model can go: what repetitions of a test do not share, else what "
+    "near-replicates differ by, else (a lower bound) the sensor's noise.",
     "simulated through": "Predicted from the start of a test to its end, not window by window: so it is with short tests of a "
     "plant that forgets its start within them.",
     "whole tests": "Each test simulated from its first sample to its last, begun where it fits best: what grows slowly shows there, "
     "and in windows hardly.",
-    "runs away": "What a model does that leaves all bounds, or never comes back from where it began, though the machine did: it "
-    "predicts a window from a start of its own alone.",
+    "diverges": "A model diverges where its free simulation exceeds all bounds or never forgets its initial state, though the "
+    "machine does: it predicts only windows that are re-initialised.",
     "memory": "The time in which a plant's readings forget where a test began (to 37 %): how long it remembers.",
     "delay": "The time by which an input acts later than its log says, fitted with the base from one sample early to two late; "
     "more of it is an effect (command_delay, sensor_lag).",
-    "normalised error": "Errors divided by their floor, of all channels and of all shapes that an error has within a window together: "
-    "1 is as good as repetitions allow, 2 is twice that (a geometric mean, so that each shape counts by its own floor; it is not the "
+    "normalised error": "Errors divided by their noise floor, of all channels and of all shapes that an error has "
+    "within a window together: "
+    "1 is as good as repetitions allow, 2 is twice that (a geometric mean, so that each shape counts by its own noise "
+    "floor; it is not the "
     "quotient of two rms).",
     "calibrated": "With the base parameters fitted to these tests first, so that a constant that is merely different on this rig "
     "is not called a missing effect.",
     "base parameter": "A constant of the plant's own equations that differs from rig to rig, such as a mass or a friction.",
     "effect": "A physical law that the plant's equations leave out, one file of the library or of your own; as a verdict: this one "
     "is missing.",
-    "one of": "The verdict that several sets of effects explain these tests equally well; others tests would tell them apart.",
+    "one of": "The verdict that several sets of effects explain these tests equally well; other tests would distinguish them.",
     "outside the library": "The verdict that something is missing which no effect of the library explains; its curve is shown.",
-    "nothing missing": "The verdict that no effect takes more of the error than chance does.",
+    "nothing missing": "The verdict that no effect explains more of the error than chance does.",
     "cannot tell": "The verdict that these tests are too few, too short or too still for any other verdict.",
-    "unknown": "A law without a form over one quantity, such as a force over position, that competes with the named effects and "
-    "is never named itself.",
-    "free law": "Another word for an unknown: values at knots over what drives it, straight in between, fitted to the tests.",
+    "non-parametric term": "A function of one quantity, such as a force over position, given by fitted values at knots with "
+    "straight lines in between; it competes with the named effects and is never named itself.",
     "drivers": "The measured quantities on which what is missing depends, the most likely one first.",
-    "law left": "The share of what a free law explains, or of the error above what chance may leave, that the named effect's own "
-    "law leaves; 0 where its form is right (law_left in the answer for programs).",
-    "candidate": "An effect that was fitted beside the calibrated model, with its parameters and what it explains.",
+    "law left": "The share of what a non-parametric term explains, or of the error above what chance may leave, that the named "
+    "effect's own law does not explain; 0 where its form is right (law_left in the answer for programs).",
+    "candidate": "An effect that was fitted in addition to the calibrated model, with its parameters and what it explains.",
     "posterior weight": "How probable it is, from tests that it was not fitted to, that a model with an effect predicts better than "
     "one without; it may be near 1 of several effects, unless the weights of those that were weighed add up to 1.",
     "held-out": "Not used for the fit: the error on held-out tests is what a model is judged by, since a fit alone can only fall.",
-    "left": "The share of the calibrated model's held-out error that stays with an effect added: 30 % left is 70 % explained.",
+    "residual share": "The share of the calibrated model's held-out error that remains with an effect added: 30 % residual is 70 % "
+    "explained.",
     "explained": "One less the mean square of a model's errors over that of the readings about their mean in each window (or whole "
     "test): 100 % is no error, and below 0 the mean is nearer.",
-    "chapter": "A part of the measurements that is left out as a whole to judge a fit of the others: a condition, a test, or a "
+    "block": "A cross-validation fold, a part of the measurements that is held out as a whole to judge a fit of the "
+    "others: a condition, a test, or a "
     "part of a test.",
     "window": "A short stretch of a test that a model predicts from a start of its own, so that what drifts does not hide what it "
     "misses.",
     "smooth part": "What eight smooth curves hold of the errors in a window: what is missing shows in it, most of a sensor's "
     "noise does not; errors of whole tests hold all of the noise.",
     "confidence set": "Every set of effects that these tests do not rule out; where it holds more than one, more tests are needed.",
-    "t": "Student's t of the paired differences between two models' errors over chapters: how far their mean is from 0, in its "
+    "t": "Student's t of the paired differences between two models' errors over held-out blocks: how far their mean is from 0, in its "
     "own standard errors.",
     "p-value": "How probable a gain as large as this one is where nothing is missing; below 0.05 something is claimed.",
     "published": "The model as it is declared, with the values of the plant's file (of the joint: of the thesis), before "
     "anything is fitted.",
     "gain": "By how much an effect raises the log-likelihood of the tests.",
     "chance": "What effects gain where none of them is missing, found from surrogate data.",
-    "surrogate data": "Data as noisy as the measured ones in which nothing is missing: circularly shifted residuals, or simulations "
-    "(twins).",
-    "twin": "A simulation of the measured tests by the calibrated model with the rig's scatter and nothing missing; what effects "
-    "gain on twins is chance.",
+    "surrogate data": "Data as noisy as the measured ones in which nothing is missing: circularly shifted residuals, or simulated "
+    "null replicates.",
+    "null replicate": "A simulation of the measured tests by the calibrated model with the rig's scatter and nothing missing "
+    "(parametric bootstrap); what effects gain on null replicates is chance.",
     "residual": "What is measured less what the model predicts.",
-    "autocorrelation": "How alike a residual is to itself some time later; outside its band it is not noise, and something is "
+    "autocorrelation": "The correlation of a residual with itself some time later; outside its band it is not noise, and something is "
     "missing.",
-    "cross-correlation": "How alike a residual is to an input some time before; outside its band the model does not use that "
-    "input rightly.",
+    "cross-correlation": "The correlation of a residual with an input some time before; outside its band the model does not use that "
+    "input correctly.",
     "band": "The range that holds 95 % of what chance, or the uncertainty of a curve, makes.",
     "95 % interval": "The range that holds the true value of a parameter in 95 of 100 such measurements.",
-    "condition": "Tests that are meant to be alike, in all but what scatters.",
-    "repetition": "One of several tests of a condition; what repetitions do not share is the floor.",
-    "near-replicates": "Moments of the tests at which state and input are nearly alike: what follows should be, too, and what "
-    "differs is a floor where nothing was repeated.",
+    "condition": "Tests that are meant to be replicates, the same in all but scatter.",
+    "repetition": "One of several tests of a condition; what repetitions do not share is the noise floor.",
+    "identifiable": "Determined by these tests: the data, not its bounds, give the value of a parameter an interval.",
+    "distinguishable": "Two effects are distinguishable where their responses in these tests differ by more than noise and base "
+    "parameters can explain.",
+    "near-replicates": "Moments of the tests at which state and input are nearly equal: what follows should be, too, and what "
+    "differs is an estimate of the noise floor where nothing was repeated (Gamma test).",
     "end of a sensor": "The largest or smallest value that it can show: it reads that again and again, though it is noisy elsewhere.",
-    "cosine": "How alike the responses of two effects are in these tests: at 1 or -1 the tests cannot tell them apart.",
+    "cosine": "The correlation of the responses of two effects in these tests: at 1 or -1 the tests cannot distinguish them.",
     "smallest that would have been seen": "The amplitude from which on an effect would have been claimed in these tests.",
     "exploratory": "Without repetitions, so that the scatter of the rig is assumed and probabilities are a guide only.",
     "place": "An element of a plant's equations on which effects act: a contact, body, store, path, sensor, actuator or transmission.",
@@ -88,30 +94,70 @@ WORDS: Mapping[str, str] = {
     "given constant": "A constant of the plant's file that, estimated with the base, explains as much as what was found: a mass "
     "that was weighed without its bolts looks like a sensor's wrong gain (constants).",
     "parameter that varies": "A base parameter that depends on a state, an input or time, such as the friction of oil that thins as it "
-    "warms; tried where no effect and no free law explains what exceeds the noise; an effect of your own may act on one by a "
+    "warms; tried where no effect and no non-parametric term explains what exceeds the noise; an effect of your own "
+    "may act on one by a "
     "method of the parameter's name.",
     "missing quantity": "The force, flow, command or reading that would have to be added to the calibrated model, instant by "
     "instant, for it to agree with the measurement.",
 }
-ALSO: Mapping[str, str] = {
-    "remembers": "memory", "whole test": "whole tests", "runs_away": "runs away", "run away": "runs away",
-    "delays": "delay", "over the floor": "normalised error", "over_floor": "normalised error",
-    "circularly shifted residuals": "surrogate data",
-    "driver": "drivers", "law_left": "law left", "heldout": "held-out", "held out": "held-out", "left out": "held-out",
-    "chapters left out": "chapter", "posterior": "posterior weight", "weight": "posterior weight", "twins": "twin",
-    "residuals moved in time": "surrogate data", "residuals drawn at random": "surrogate data",
-    "effects each moved in time by itself": "surrogate data",
-    "surrogates": "surrogate data", "windows": "window", "chapters": "chapter",
-    "unknowns": "unknown", "p": "p-value", "p value": "p-value", "one_of": "one of", "outside_library": "outside the library",
-    "outside library": "outside the library", "nothing_missing": "nothing missing", "cannot_tell": "cannot tell",
-    "knots": "free law", "confidence interval": "95 % interval", "interval": "95 % interval", "95 %": "95 % interval",
-    "minimum detectable": "smallest that would have been seen", "minimum_detectable": "smallest that would have been seen",
-    "confounded": "cosine", "calibration": "calibrated", "calibrated first": "calibrated", "base parameters": "base parameter",
-    "repetitions": "repetition", "conditions": "condition", "residuals": "residual", "candidates": "candidate",
-    "confidence_set": "confidence set", "null": "chance", "gamma test": "near-replicates", "free laws": "free law",
-    "ends": "end of a sensor", "by_condition": "differs by condition", "by condition": "differs by condition",
-    "constants": "given constant", "specimen": "differs by condition", "samples": "samples looked at", "long logs": "samples looked at",
-}  # fmt: skip
+#: Other spellings, and words of earlier versions, by the word that answers for them.
+_ALSO: Mapping[str, tuple[str, ...]] = {
+    "memory": ("remembers",),
+    "whole tests": ("whole test",),
+    "diverges": ("runs_away", "runs away", "divergence", "run away"),
+    "delay": ("delays",),
+    "normalised error": ("over the floor", "over_floor"),
+    "surrogate data": (
+        "circularly shifted residuals",
+        "circularly shifted effects",
+        "residuals moved in time",
+        "residuals drawn at random",
+        "surrogates",
+    ),
+    "noise floor": ("floor", "repeatability", "excess error"),
+    "identifiable": ("told",),
+    "distinguishable": ("told apart",),
+    "block": (
+        "chapter",
+        "fold",
+        "cross-validation fold",
+        "blocks",
+        "chapters left out",
+        "held-out blocks",
+        "chapters",
+    ),
+    "null replicate": ("twin", "null replicates", "twins"),
+    "non-parametric term": ("unknown", "free law", "nonparametric term", "unknowns", "knots", "free laws"),
+    "residual share": ("left", "unexplained"),
+    "near-replicates": ("alike moments", "gamma test"),
+    "published": ("nominal",),
+    "base parameter": ("nominal parameters", "base parameters"),
+    "cosine": ("most like", "confounded"),
+    "drivers": ("driver",),
+    "law left": ("law_left",),
+    "held-out": ("heldout", "held out", "left out"),
+    "posterior weight": ("posterior", "weight"),
+    "window": ("windows",),
+    "p-value": ("p", "p value"),
+    "one of": ("one_of",),
+    "outside the library": ("outside_library", "outside library"),
+    "nothing missing": ("nothing_missing",),
+    "cannot tell": ("cannot_tell",),
+    "95 % interval": ("confidence interval", "interval", "95 %"),
+    "smallest that would have been seen": ("minimum detectable", "minimum_detectable"),
+    "calibrated": ("calibration", "calibrated first"),
+    "repetition": ("repetitions",),
+    "condition": ("conditions",),
+    "residual": ("residuals",),
+    "candidate": ("candidates",),
+    "confidence set": ("confidence_set",),
+    "chance": ("null",),
+    "end of a sensor": ("ends",),
+    "differs by condition": ("by_condition", "by condition", "specimen"),
+    "given constant": ("constants",),
+    "samples looked at": ("samples", "long logs"),
+}
+ALSO: Mapping[str, str] = {other: word for word, others in _ALSO.items() for other in others}
 # On a page these are everyday words more often than terms.
 EVERYDAY = frozenset(
     {
@@ -131,6 +177,16 @@ EVERYDAY = frozenset(
         "gain",
         "interval",
         "unknown",
+        "told",
+        "told apart",
+        "alike moments",
+        "nominal",
+        "fold",
+        "block",
+        "blocks",
+        "divergence",
+        "most like",
+        "unexplained",
         "95 %",
         "conditions",
         "condition",

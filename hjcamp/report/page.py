@@ -31,7 +31,7 @@ SHADES = {
 }
 #: Pixels of the screen for a point of the drawing, whose smallest letters have 7 points.
 READABLE = 1.2
-OVERVIEW = "every condition: mean and standard deviation of each indicator, published values beside"
+OVERVIEW = "every condition: mean and standard deviation of each indicator, published values next to them"
 
 
 @dataclass(frozen=True)

@@ -170,9 +170,9 @@ def why_not_beside(found: Mapping[str, Sequence[str]], rows: int) -> list[str]:
     for reason, conditions in list(found.items())[:REASONS]:
         more = f" and {len(conditions) - NAMED} more" if len(conditions) > NAMED else ""
         of = "" if len(conditions) == rows else f" {', '.join(conditions[:NAMED])}{more}"
-        notes.append(f"No published value stands beside{of}: {reason}.")
+        notes.append(f"No published value is shown next to{of}: {reason}.")
     left = sum(len(conditions) for conditions in list(found.values())[REASONS:])
-    return [*notes, f"Nor beside {left} more, for other reasons."] if left else notes
+    return [*notes, f"Nor next to {left} more, for other reasons."] if left else notes
 
 
 def _title(name: str, definition: TableDefinition) -> str:

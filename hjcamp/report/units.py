@@ -107,7 +107,7 @@ def number_like(value: float, row: Mapping[str, Any], digits: int = 3) -> str:
 def told_interval(row: Mapping[str, Any]) -> str:
     """Return the 95 % interval of one row of an answer (value, unit, ci95): ``0.268 to 0.290``; in words where nothing tells it."""
     ends = estimate_texts(row)[1]
-    return "not told by these tests" if ends is None else " to ".join(ends)
+    return "not identifiable from these tests" if ends is None else " to ".join(ends)
 
 
 def told_error(value: float, error: float, unit: str) -> str:

@@ -85,7 +85,7 @@ def read_segment(item: object, where: str, start: float, angle: float) -> Segmen
             raise unknown("parameter", str(name), ALLOWED, where)
     if "rest" in item:
         if len(item) > 1:
-            raise UsageError(f"{where} has 'rest' beside other parameters; a rest has nothing but its seconds")
+            raise UsageError(f"{where} has 'rest' with other parameters; a rest has nothing but its seconds")
         return Segment(start, check_number(f"{where}.rest", item["rest"], "s"), angle, 0.0, "linear")
     if ("to_deg" in item) == ("by_deg" in item):
         raise UsageError(f"{where} needs one of to_deg and by_deg")

@@ -69,6 +69,6 @@ def test_two_gains_of_which_the_product_alone_is_told_are_held_where_it_would_go
     (tmp_path / "plants" / "slab.py").write_text(text.replace("(0.01, 100.0)", "(2.0, 3.0)"))
     plant = find_plant("slab")
     analysis = calibrated(replace(slab, plant=plant), {}, unknowns=False)
-    rows = {one.name: one for one in intervals(analysis.base.fitted, analysis.search.chapters)}
+    rows = {one.name: one for one in intervals(analysis.base.fitted, analysis.search.blocks)}
     assert not rows["gain"].told and rows["gain"].at_bound
     assert set(analysis.held) >= {"gain", "scale"}

@@ -41,7 +41,7 @@ def test_what_acts_behind_all_others_is_looked_for_beside_what_bends_its_command
 def test_what_is_never_looked_for_alone_is_said(winding: Measured) -> None:
     library = load_effects(plant=winding.plant)
     [said] = never_alone({name: library[name] for name in ("command_delay", "action_lag", "spring") if name in library})
-    assert said.startswith("action_lag acts behind what bends its ") and "not looked for" in said
+    assert said.startswith("action_lag was not tested: ") and "after a nonlinearity of its " in said
     assert never_alone(library) == never_alone({"command_delay": library["command_delay"]}) == []
 
 

@@ -76,6 +76,6 @@ def test_values_that_read_alike_stand_together() -> None:
     rows = {at: {"value": value, "ci95": [value, value]} for at, value in (("a", 2.5), ("b", 2.5001), ("c", 3.4))}
     row = {"left": 1.0, "parameters": {"moving_mass": {"unit": "kg", "conditions": rows}}}
     assert by_condition_words(row, 28.0)[0] == (
-        "The base is not the same in all conditions: fitted to each alone it leaves 1.00 times the floor, instead of 28.00. "
+        "The base is not the same in all conditions: fitted to each alone it leaves 1.00 times the noise floor, instead of 28.00. "
         "Moving mass is 2.5 kg in a and b, 3.4 kg in c."
     )

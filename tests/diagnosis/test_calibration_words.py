@@ -33,7 +33,8 @@ def test_a_parameter_at_its_bound_that_the_tests_do_not_tell_asks_whether_they_c
     untold["push_gain"]["told"] = False
     [said] = held_by_bounds(untold)
     assert (
-        said.startswith("push gain stands at its bound, 0.02 N, and these tests do not tell it") and "a sign or a unit" in said
+        said.startswith("push gain stands at its bound, 0.02 N, and these tests do not determine it")
+        and "a sign or a unit" in said
     )
 
 
@@ -64,7 +65,7 @@ def test_a_delay_that_no_log_is_off_by_is_said(value: float, low: float, at_boun
     found = late_inputs(late, ["spring"], 0.002)
     assert len(found) == len(said) and all(one in whole for one, whole in zip(said, found, strict=True))
     beside = late_inputs(late, ["sensor_lag_at_scale"], 0.002)
-    assert len(beside) == len(said) and all("both together" in one and "current by" in one for one in beside)
+    assert len(beside) == len(said) and all("the total lag is the sum" in one and "current by" in one for one in beside)
 
 
 @pytest.mark.parametrize(
@@ -118,7 +119,7 @@ def test_what_acts_in_few_parts_of_the_tests_is_said_though_it_is_not_shown() ->
     )
     delay = {"delay": {"value": 0.372, "unit": "s"}, "dead_share": {"value": 0.5, "unit": "1"}}
     [said] = seldom([rows[1] | {"effect": "command_delay", "parameters": delay}], 0.24)
-    assert "a window of 0.24 s is short beside its 0.37 s: longer tests have longer windows" in said
+    assert "a window of 0.24 s is short relative to its 0.37 s: longer tests have longer windows" in said
     assert "record more" in seldom([rows[1] | {"parameters": delay}], 1.2)[0]
     # too little, no better than none, and shown
     others = ({"heldout_error_ratio": 0.95}, {"t": -0.5}, {"t": 90.0})

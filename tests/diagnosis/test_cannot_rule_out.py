@@ -41,7 +41,7 @@ def analysis_of(
     )
     search = SimpleNamespace(
         steps=[step],
-        chapters=np.repeat(np.arange(8), 4),
+        blocks=np.repeat(np.arange(8), 4),
         library={"sensor_lag": effect},
         error_ratio=lambda one, before: share,
         takes_a_share=lambda one, before, level: False,
@@ -59,9 +59,9 @@ def analysis_of(
     ("changed", "said"),
     [
         ({"lag": 2.0}, ""),
-        ({"held": ("mass",)}, "mass stands at its bound"),
-        ({"lag": 2.0, "delay": 2.0}, "the delay of pump stands at the most that the base may have"),
-        ({"lag": 6.0}, "sensor_lag takes 50 % of the error, but windows of 24 s are only 4 times its 6 s"),
+        ({"held": ("mass",)}, "mass was driven to its bound"),
+        ({"lag": 2.0, "delay": 2.0}, "the delay of pump is at the largest that the base may have"),
+        ({"lag": 6.0}, "sensor_lag explains 50 % of the error, but windows of 24 s are only 4 times its 6 s"),
         ({"lag": 3.9}, ""),
         ({"lag": 4.1}, "windows of 24 s are only 5.9 times its 4.1 s"),
         ({"lag": 6.0, "share": 0.95}, ""),

@@ -115,7 +115,7 @@ def test_the_base_is_found_beside_an_end_and_predictions_are_held_there(tanks: P
     # a quarter of the readings of seed 4 stand at the end
     measured = measured_tests([measured_log(6.0, seed=seed) for seed in (4, 1)])
     found = compared(measured, {}, {"published": Candidate({}, {})})
-    base = {one.name: one.value for one in intervals(found.analysis.base.fitted, found.analysis.search.chapters)}
+    base = {one.name: one.value for one in intervals(found.analysis.base.fitted, found.analysis.search.blocks)}
     assert [base[name] for name in ("k1", "k3", "k4")] == pytest.approx([BETWEEN, OUTFLOW, PUMP], rel=0.03)
     layout = found.analysis.windows.layout
     there = layout.readings[:, 0] == 6.0

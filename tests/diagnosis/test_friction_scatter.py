@@ -31,7 +31,7 @@ def test_friction_that_differs_by_what_every_contact_has_is_no_effect(axis: Path
     analysis = calibrated(measured, {name: library[name] for name in ("position_friction", "spring")}, unknowns=False)
     found = judged(analysis)
     assert found.word == said and found.effects == (("position_friction",) if said == "effect" else ())
-    # it is seen in both, chapter by chapter: what decides is how large it is
+    # it is seen in both, block by block: what decides is how large it is
     step = analysis.search.steps[0]
     seen = next(one for one in step.named if one.beyond(step.before) == ("position_friction",))
     assert (

@@ -44,7 +44,7 @@ def test_what_no_reading_depends_on_may_be_all_that_its_bounds_allow() -> None:
     assert found["p0"].told and found["p0"].high - found["p0"].low < 0.3
     assert not found["p1"].told and (found["p1"].low, found["p1"].high) == (0.0, 10.0)
     assert found["p1"].row == {"ci95": [0.0, 10.0], "told": False}
-    assert told_interval({"unit": "1", **found["p1"].row}) == "not told by these tests"
+    assert told_interval({"unit": "1", **found["p1"].row}) == "not identifiable from these tests"
 
 
 def test_two_that_only_act_together_are_not_told_either() -> None:

@@ -131,7 +131,7 @@ def test_a_fit_of_a_late_sensor_ends_where_its_lag_is_however_far_it_begins(bloc
     base, search = analysis.base.fitted.candidate, analysis.search
     late = [search.fitted(base.with_effect("sensor_lag", {"lag": lag, "dead_share": 0.0})) for lag in (5.0, 40.0)]
     for one in late:
-        # a delay of the only input is hardly told apart from it
+        # a delay of the only input is hardly distinguishable from it
         late_by = one.fitted.candidate.effects["sensor_lag"]["lag"] + one.fitted.candidate.base["delay.power"]
         assert late_by == pytest.approx(CATCHING_UP, rel=0.02)
         assert one.fitted.candidate.base["capacity"] == pytest.approx(CAPACITY, rel=0.01)

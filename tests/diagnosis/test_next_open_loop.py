@@ -83,7 +83,7 @@ def test_sets_that_are_not_told_apart_and_a_campaign_that_is_not_written_are_sai
         diagnosis={"confidence_set": sets}, proposal=SimpleNamespace(question=SimpleNamespace(rivals=rivals), by_motion=True)
     )
     assert _left_out(done) == [  # type: ignore[arg-type]
-        "The tests do not rule out offset either; 4 are told apart at once: --rivals A,B names others."
+        "The tests do not rule out offset either; 4 are distinguished at once: --rivals A,B names others."
     ]
     done.diagnosis = {"confidence_set": sets[:4]}
     assert _left_out(done) == []  # type: ignore[arg-type]
@@ -98,8 +98,7 @@ def test_where_a_rival_runs_away_in_every_test_that_is_said() -> None:
     )
     rivals[0].names, rivals[1].names = (), ()
     assert sentences(done) == [  # type: ignore[arg-type]
-        "No test is left of those that were made up from these logs: in each a rival runs away, or goes far beyond what the logs "
-        "visited."
+        "Every test generated from these logs makes a rival diverge, or goes far beyond what the logs visited."
     ]
 
 

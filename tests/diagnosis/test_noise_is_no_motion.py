@@ -45,7 +45,7 @@ def test_of_a_motor_that_only_makes_noise_nothing_can_be_told(
         "nothing that is measured changes in these tests by more than its noise",
     )
     # a regression has nothing to go by, and leaves all
-    left = regression_of(layout, analysis.base.features, analysis.search.chapters, layout.readings)
+    left = regression_of(layout, analysis.base.features, analysis.search.blocks, layout.readings)
     np.testing.assert_allclose(left.features, analysis.base.features[left.rows])
 
 

@@ -68,8 +68,8 @@ def test_a_wind_that_differs_from_test_to_test_is_told_with_both_courses(
         assert np.sqrt(np.mean((y[own] - true) ** 2)) < 0.3 * np.sqrt(np.mean(true**2))
     said = " ".join(Words(analysis, verdict, content).sentences())
     assert "that changes otherwise with time in each condition" in said and "can be measured and given" in said
-    assert "Tests that would tell: the same tests once more, with what may act from outside recorded." in said
-    assert ("what the plant remembers" in said) == (repetitions == 1)
+    assert "Tests that would decide: the same tests once more, with what may act from outside recorded." in said
+    assert ("an unmodelled memory" in said) == (repetitions == 1)
     with pytest.raises(UsageError, match=r"otherwise in each condition.*Input of the plant's file"):
         begun_from(content, Path("answer.json"))
     assert "--from" not in " ".join(Words(analysis, verdict, content).next_commands("logs", "published"))

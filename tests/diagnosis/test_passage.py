@@ -96,7 +96,7 @@ def tanks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("tanks")
 def test_the_time_constants_of_a_tank_that_is_not_seen_are_told() -> None:
     analysis = calibrated(measured_tests([measured_log(samples=800)]), {}, unknowns=False)
-    found = {one.name: one for one in intervals(analysis.base.fitted, analysis.search.chapters)}
+    found = {one.name: one for one in intervals(analysis.base.fitted, analysis.search.blocks)}
     for name, true in (("k1", BETWEEN), ("k3", OUTFLOW), ("k4", PUMP)):
         # in windows of 96 s that stand apart k3 and k4 are known to some 20 % alone
         assert found[name].value == pytest.approx(true, rel=0.03)
@@ -141,6 +141,6 @@ def test_a_spill_is_named_beside_a_gauge_that_is_bent_and_the_bend_is_told() -> 
     assert content["unknowns"][0]["driver"] == "gauge_true" and content["law_left"] > 0.5
     words = Words(*found, content)
     said = " ".join(words.sentences())
-    told = "missing as well: beside what was found, a reading at gauge that depends on its true value takes the last"
+    told = "missing as well: in addition to what was found, a reading at gauge that depends on its true value explains the last"
     assert told in said
     assert words.next_commands("logs", "published")[1].startswith("hjcamp effects new MY_EFFECT --from diagnose")

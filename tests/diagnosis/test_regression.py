@@ -52,10 +52,10 @@ def test_noise_that_is_more_than_the_motion_of_a_window_does_not_tell_itself(axi
     measured = measured_tests([measured_log(seconds=6.0, noise=3e-4, path=lambda t: 0.05 * np.sin(2.0 * np.pi * 0.1 * t))])
     analysis = calibrated(measured, {}, unknowns=False, width=16)
     layout, base = analysis.windows.layout, analysis.base
-    told = regression_of(layout, base.features, analysis.search.chapters, analysis.search.predicted(base))
+    told = regression_of(layout, base.features, analysis.search.blocks, analysis.search.predicted(base))
     assert analysis.search.share_left(told.features, base.features[told.rows]) > 0.97
     assert analysis.search.follows_motion(base).share == 0.0
     # nor where the motion is described by the readings that hold it: a curvature that is mostly noise describes none
-    own = regression_of(layout, base.features, analysis.search.chapters, layout.readings)
+    own = regression_of(layout, base.features, analysis.search.blocks, layout.readings)
     assert not moves(layout)[2] and moves(layout)[0]
     assert analysis.search.share_left(own.features, base.features[own.rows]) > 0.97

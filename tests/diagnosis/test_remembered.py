@@ -34,7 +34,7 @@ def test_a_drive_that_has_not_caught_up_leaves_no_more_than_noise(motor: Measure
     found = judged(analysis)
     assert found.effects == ("command_delay",) and found.word == "effect"
     model = found.model
-    [delay] = [one for one in intervals(model.fitted, analysis.search.chapters) if one.name == "delay"]
+    [delay] = [one for one in intervals(model.fitted, analysis.search.blocks) if one.name == "delay"]
     assert delay.low < LAG < delay.high and delay.high - delay.low < 0.1 * LAG
     # the base has no delay of its own beside it, which would say the same
     assert (

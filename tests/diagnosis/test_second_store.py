@@ -122,10 +122,10 @@ def test_a_memory_that_stands_at_its_end_is_not_shown(
     name = {"second_store": "delay", "sensor_lag": "lag"}[effect]
     assert library[effect].parameters[name].bounds == {"second_store": (5.0, 5e4), "sensor_lag": (0.5, 1e3)}[effect]
     monkeypatch.setattr(
-        claims, "intervals", lambda fitted, chapters: [Interval(effect, name, 0.5 * (low + high), low, high, False)]
+        claims, "intervals", lambda fitted, blocks: [Interval(effect, name, 0.5 * (low + high), low, high, False)]
     )
     search = Claims.__new__(Claims)
-    search.library, search.chapters = library, np.zeros(3, dtype=int)
+    search.library, search.blocks = library, np.zeros(3, dtype=int)
     # six coefficients of 24 samples of 5 s: what is forgotten within 20 s follows the moment
     layout: Any = SimpleNamespace(width=24, basis=np.zeros((24, 6)), measured=SimpleNamespace(period=PERIOD))
     search.windows = SimpleNamespace(layout=layout)  # type: ignore[assignment]
@@ -172,7 +172,7 @@ def test_a_memory_that_is_not_shown_is_said_to_be_none(plate: Path, ends: tuple[
         "parameters": {"conductance": {"ci95": [0.1, 0.2]}, "delay": {"ci95": [*ends]}},
     }
     found = no_memory_words([row], library)
-    assert [said in one and "would take 40 %, but its delay stands" in one for one in found] == ([True] if said else [])
+    assert [said in one and "would take 40 %, but its delay is at the" in one for one in found] == ([True] if said else [])
     assert len(no_memory_words([row], library, shortest=ends[0])) == 1
     assert no_memory_words([row | {"t": 2.0}], library) == []
 
@@ -188,4 +188,4 @@ def test_what_takes_a_share_without_being_shown_to_remember_is_not_nothing(p_val
         error_ratio=lambda one, before: 0.77,
     )
     analysis: Any = SimpleNamespace(held=(), search=search, floor=SimpleNamespace(source="repetitions"))
-    assert doubt_of_nothing(analysis, p_value).startswith("second_store takes 23 % of the error") == doubted
+    assert doubt_of_nothing(analysis, p_value).startswith("second_store explains 23 % of the error") == doubted

@@ -11,7 +11,7 @@ from hjcamp.diagnosis.data.repeatability import Floor, Repeatability, repeatabil
 from hjcamp.diagnosis.levels import LEVEL, MATTERS
 from hjcamp.diagnosis.results.shares import left_above, left_of, share_of
 from hjcamp.diagnosis.selection.claims import Claims
-from hjcamp.diagnosis.validation.blocks import advantages, critical, ratio_t, told_apart
+from hjcamp.diagnosis.validation.blocks import advantages, critical, discrimination, ratio_t
 
 WINDOWS, SIZE, TESTS = 60, 3, 3
 
@@ -98,7 +98,7 @@ def claimed(seed: int, excess: float, old: bool = False) -> int | None:
             rest = blocks != block
             out[~rest] -= z[~rest] * np.sum(z[rest] * features[rest]) / np.sum(z[rest] ** 2)
         fitted = features - z * np.sum(z * features) / np.sum(z**2)
-        t, count = ratio_t(advantages(out, features, blocks), told_apart(fitted, features, blocks))
+        t, count = ratio_t(advantages(out, features, blocks), discrimination(fitted, features, blocks))
         if t > critical(count, LEVEL / FITTED) and search.share_left(out, features) <= 1.0 - MATTERS:
             return k
     return None

@@ -1,4 +1,4 @@
-"""Tests are simulated through where the plant remembers longer than a window and forgets within a chapter."""
+"""Tests are simulated through where the plant remembers longer than a window and forgets within a block."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from hjcamp.diagnosis.residuals.continuity import Through
 from hjcamp.diagnosis.results.answer import answer
 from hjcamp.diagnosis.selection.forward import Search
 from hjcamp.diagnosis.selection.scored import Follows
-from hjcamp.diagnosis.validation.blocks import chapters_of
+from hjcamp.diagnosis.validation.blocks import blocks_of
 from hjcamp.effects import load_effects
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.records.write import write_log
@@ -57,8 +57,8 @@ def test_short_tests_are_simulated_through_and_long_ones_in_windows(tanks: Path)
     assert layout.memory > layout.width
     # one test: one start
     assert layout.begun.sum() == 1 and not layout.goes_on.any()
-    # no chapter is shorter than what the plant remembers
-    sizes = np.bincount(chapters_of(layout)) * layout.width
+    # no block is shorter than what the plant remembers
+    sizes = np.bincount(blocks_of(layout)) * layout.width
     assert sizes.min() >= layout.memory - layout.width and len(sizes) >= 8
     assert calibrated(logged(8000), {}, unknowns=False).windows.layout.memory == 0
     assert calibrated(logged(300), {}, unknowns=False).windows.layout.memory == 0
@@ -92,8 +92,8 @@ def test_a_spill_in_few_places_of_a_short_log_is_named(tanks: Path, monkeypatch:
 
 
 @pytest.mark.study
-def test_what_few_chapters_do_not_show_is_looked_for_in_windows(tanks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # simulated through there are nine chapters, too few for two things at once
+def test_what_few_blocks_do_not_show_is_looked_for_in_windows(tanks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # simulated through there are nine blocks, too few for two things at once
     measured = measured_tests([gauge.measured_log(brim=7.0, seed=9, samples=800, power=0.4)])
     library = load_effects(plant=measured.plant)
     names = ("spill_over", "flow_exponent_at_outflow", "overflow_at_lower", "sensor_offset")
@@ -129,14 +129,14 @@ def test_next_plans_with_tests_that_are_simulated_through(tanks: Path, capsys: p
     assert answer_of["simulated_through"] and answer_of["verdict"] == "one_of"
     assert cli.run(["next", "logs"]) == 0, capsys.readouterr().err
     said = " ".join(capsys.readouterr().out.split())
-    assert "To be told apart: spill_over" in said and "standard deviations" in said
+    assert "To distinguish: spill_over" in said and "standard deviations" in said
     assert cli.run(["compare", "logs"]) == 0
     assert "each test simulated through" in capsys.readouterr().out
     assert "Predictions begin with each test, where each fits best" in Path("compare/index.html").read_text()
 
 
 @pytest.mark.study
-def test_what_takes_most_in_too_few_chapters_is_said(
+def test_what_takes_most_in_too_few_blocks_is_said(
     tanks: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(Search, "matters", lambda *of, **told: False)
@@ -145,6 +145,6 @@ def test_what_takes_most_in_too_few_chapters_is_said(
     write_log(Path("logs/a.mcap"), gauge.measured_log(brim=5.0, seed=2, samples=400))
     assert cli.run(["diagnose", "logs", "--only", "spill_over,sensor_gain"]) == 0, capsys.readouterr().err
     said = " ".join(capsys.readouterr().out.split())
-    assert "is shown to take it (spill_over would leave" in said and "of it, but not chapter by chapter: t =" in said
+    assert "is shown to explain it (spill_over would leave" in said and "of it, but not block by block: t =" in said
     assert cli.run(["add", "spill_over", "logs", "--as", "with_spill"]) == 0
-    assert "The error falls, but not chapter by chapter" in " ".join(capsys.readouterr().out.split())
+    assert "The error falls, but not block by block" in " ".join(capsys.readouterr().out.split())

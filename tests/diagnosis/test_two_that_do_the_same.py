@@ -1,4 +1,4 @@
-"""Two laws that do the same differ by where their fits ended, alike in each chapter: neither rules the other out."""
+"""Two laws that do the same differ by where their fits ended, alike in each block: neither rules the other out."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def test_a_model_that_is_better_by_less_than_fits_leave_rules_nothing_out(more: 
         SimpleNamespace(features=one, fitted=SimpleNamespace(features=one), left_out=3.0)
         for one in (features, features * (1.0 + more))
     )
-    claims: Any = SimpleNamespace(chapters=np.repeat(np.arange(16), 6))
+    claims: Any = SimpleNamespace(blocks=np.repeat(np.arange(16), 6))
     claims.t = lambda one, two: Claims.t(claims, one, two)
     t, count = claims.t(model, other)
     assert t > critical(count)

@@ -200,7 +200,9 @@ def test_nothing_is_missing_is_not_said_of_a_base_that_its_bounds_hold(axis: Pat
     nothing = Verdict("nothing_missing", (), analysis.base, 1.0, ((),), 0.0, None, ())
     monkeypatch.setattr(verdict, "judged", lambda one: nothing)
     found = verdict.agreed(analysis, lambda width: analysis)[1]
-    assert found.word == "cannot_tell" and found.lacking[0].startswith("mass stands at its bound, far from what is declared")
+    assert found.word == "cannot_tell" and found.lacking[0].startswith(
+        "mass was driven to its bound, far from what is declared"
+    )
 
 
 @pytest.mark.parametrize(
@@ -216,12 +218,12 @@ def test_a_name_at_a_bound_that_no_test_tells_is_not_said(
     row = Interval("spring", "stiffness", 1e3, 0.0, 1e3, at_bound, told)
     # a base parameter that was pushed to a bound, where the tests tell nothing of it
     base = Interval("", "viscous", 1e-3, 0.0, 1.0, pushed, not pushed)
-    monkeypatch.setattr(doubts, "intervals", lambda fitted, chapters: [row, base])
+    monkeypatch.setattr(doubts, "intervals", lambda fitted, blocks: [row, base])
     said = doubts.doubt_of_names(analysis, analysis.base, ("spring",))
-    assert ("at a value that its bounds tell" in said) == (at_bound and (pushed or not told))
+    assert ("was fitted at its bound" in said) == (at_bound and (pushed or not told))
     # so too where a bound holds a base parameter that the tests tell
     analysis.__dict__["held"] = ("viscous",)
-    assert ("at a value that its bounds tell" in doubts.doubt_of_names(analysis, analysis.base, ("spring",))) == at_bound
+    assert ("was fitted at its bound" in doubts.doubt_of_names(analysis, analysis.base, ("spring",))) == at_bound
 
 
 @pytest.mark.parametrize(
@@ -305,16 +307,19 @@ def test_nothing_is_said_with_what_is_left(tanks: Path) -> None:
     row = {**found["floor"]["level_v"], "value": 0.1, "low": 0.05, "high": 0.3}
     verdict = replace(words.verdict, p_value=0.005)
     words = Words(words.analysis, verdict, {**found, "floor": {"level_v": row}})
-    assert words.title == "NOTHING NAMED  level still errs by 0.3 V, 3 times its floor"
+    assert words.title == "NOTHING IDENTIFIED  level still errs by 0.3 V, 3 times its noise floor"
     said = " ".join(words.sentences())
-    assert "level still errs by 0.3 V, 3 times its floor, and more than chance (p = 0.005)" in said and "repeated test" in said
+    assert (
+        "level still errs by 0.3 V, 3 times its noise floor, and more than chance (p = 0.005)" in said
+        and "repeated test" in said
+    )
     small = Words(words.analysis, verdict, {**words.content, "floor": {"level_v": {**row, "high": 0.15}}})
-    assert small.title == "NOTHING NAMED  what is left is more than chance (p = 0.005)"
+    assert small.title == "NOTHING IDENTIFIED  the residual exceeds chance (p = 0.005)"
     words = Words(
         words.analysis, replace(verdict, p_value=0.5), {**words.content, "floor": {"level_v": {**row, "value": None}}}
     )
     said = " ".join(words.sentences())
-    assert "6 times its own noise (third differences), though the library takes no more of it than chance (p = 0.5)" in said
+    assert "6 times its own noise (third differences), though the library explains no more of it than chance (p = 0.5)" in said
 
 
 def test_a_group_beside_a_free_law_is_told_how_to_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -406,7 +411,7 @@ def test_what_was_found_beside_a_name_is_marked() -> None:
         one["parameters"] = {"size": {"value": 1.0, "unit": "1", "ci95": [0.9, 1.1], "at_bound": False, "told": True}}
     words = Words(SimpleNamespace(), SimpleNamespace(), {"candidates": rows})  # type: ignore[arg-type]
     assert [row[0] for row in words.candidates()] == ["spring", "+ drag"]
-    assert words.beside_note == ["+: found beside spring, and held against the model with that."]
+    assert words.beside_note == ["+: added after spring; compared with the model that includes it."]
     assert Words(SimpleNamespace(), SimpleNamespace(), {"candidates": rows[:1]}).beside_note == []  # type: ignore[arg-type]
 
 

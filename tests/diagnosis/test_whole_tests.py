@@ -162,7 +162,7 @@ def test_a_model_that_runs_away_beside_one_that_does_not_is_said_to(slab: Measur
     wild = replace(analysis.base, fitted=replace(fitted, candidate=Candidate({"loss": -5.0}, {})))
     found = whole_rows(analysis, wild)
     assert found == {"whole_tests": {}, "runs_away": ["augmented"]}
-    assert run_away_words(found)[0].startswith("With what was found the model runs away")
+    assert run_away_words(found)[0].startswith("The model with what was found diverges")
     assert whole_rows(analysis, analysis.base)["runs_away"] == []
     # where nothing is simulated whole nothing runs away
     plant = find_plant("slab")

@@ -39,7 +39,7 @@ def test_a_window_forgives_its_start(analysis: Analysis) -> None:
 
 
 def test_base_parameters_are_found_where_an_independent_solution_has_them(analysis: Analysis) -> None:
-    found = {one.name: one for one in intervals(analysis.base.fitted, analysis.search.chapters)}
+    found = {one.name: one for one in intervals(analysis.base.fitted, analysis.search.blocks)}
     for name, true in (("mass", MASS), ("coulomb", COULOMB), ("viscous", VISCOUS)):
         assert found[name].value == pytest.approx(true, rel=0.01), name
         assert found[name].high - found[name].low < 0.1 * true, name

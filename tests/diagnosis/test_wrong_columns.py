@@ -83,7 +83,7 @@ def test_percent_that_pass_for_a_ratio(
     assert answer["calibrated"]["score"] > 0.0
     assert "runs away" in (tmp_path / "compare" / "error_angle_rad.svg").read_text()
     found = hjcamp.compare("a.mcap")
-    assert found.title == "error over floor: published runs away"
+    assert found.title == "error over noise floor: published runs away"
     assert found.frame["rms"].to_list() == [None]
 
 
@@ -95,8 +95,6 @@ def test_a_reversed_sign_is_told_from_the_parameters_that_stand_at_their_bounds(
     wrong = calibrated(measured_tests([log_of({**columns, "angle_rad": -columns["angle_rad"]})]), {}, unknowns=False)
     assert "gain" in wrong.held
     # an interval that reaches from the bound to what is declared is no reason to trust it
-    wide = [
-        replace(one, low=0.5 * one.value, high=1e3, told=True) for one in intervals(wrong.base.fitted, wrong.search.chapters)
-    ]
+    wide = [replace(one, low=0.5 * one.value, high=1e3, told=True) for one in intervals(wrong.base.fitted, wrong.search.blocks)]
     monkeypatch.setattr(held, "intervals", lambda *given: wide)
     assert "gain" in held.held_away(wrong.search, wrong.base)

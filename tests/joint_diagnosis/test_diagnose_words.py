@@ -108,7 +108,7 @@ def test_tables_are_in_readable_units() -> None:
 
 
 def test_errors_and_what_cannot_be_told_apart() -> None:
-    assert told().scores() == [("published", 15.5), ("calibrated", 14.0), ("with leakage", 1.15), ("floor", 1.0)]
+    assert told().scores() == [("published", 15.5), ("calibrated", 14.0), ("with leakage", 1.15), ("noise floor", 1.0)]
     assert told().confounded() == (["encoder_bias"], [("leakage / tubing_creep", 0.85)])
     assert told().confounded(0.95) == (["encoder_bias"], [])
 
@@ -116,7 +116,7 @@ def test_errors_and_what_cannot_be_told_apart() -> None:
 def test_errors_are_told_in_their_unit_first_then_in_floors() -> None:
     one = told()
     headings, rows = error_table(one.errors(), one.judging.scale)
-    assert headings == ["error", "published", "calibrated", "with leakage", "floor"]
+    assert headings == ["error", "published", "calibrated", "with leakage", "noise floor"]
     assert rows[0] == ["arm angle", "6.2 deg  15.5 x", "5.6 deg  14.0 x", "0.46 deg  1.1 x", "0.4 deg"]
     assert rows[1][0] == "line 1" and rows[1][1] == "0.139 MPa  15.5 x" and rows[1][-1] == "0.009 MPa"
     assert rows[-1] == ["arm and lines", "15.50 x", "14.00 x", "1.15 x", "1.00 x"]
@@ -126,7 +126,7 @@ def test_a_model_that_ran_away_has_no_column_and_nothing_repeated_no_floor() -> 
     ran = Judged(dict.fromkeys(("arm_deg", "pressure1_mpa", "pressure2_mpa")), float("nan"))
     plain = Judged({name: ChannelError(1.0, None, 0.9) for name in ran.errors}, 0.05)
     headings, rows = error_table([("a", ran), ("b", plain)], Scale(dict.fromkeys(ran.errors), {}))
-    assert headings == ["error", "b", "floor"]
+    assert headings == ["error", "b", "noise floor"]
     assert rows[0] == ["arm angle", "1 deg", "none"] and rows[-1] == ["arm and lines", "0.05", ""]
 
 

@@ -149,7 +149,7 @@ def test_one_test_cannot_tell_and_says_so_before_it_computes(call: Call, leak: P
     assert "CANNOT TELL" in answer.out and "exploratory" in answer.out
     said = answer.out.index("These tests cannot tell which effect is missing")
     assert said < answer.out.index("calibrated first") and "One condition only" in answer.out
-    assert "No test was repeated, so there is no floor" in answer.out and "othing stands out" not in answer.out
+    assert "No test was repeated, so repeatability is unknown" in answer.out and "othing stands out" not in answer.out
 
 
 def test_an_effect_that_gains_nothing_is_said_not_to_help(call: Call, null: Path) -> None:
@@ -175,7 +175,7 @@ def test_a_comparison_ends_whatever_verify_accepts(call: Call, leak: Path, spoil
     assert call("log", "verify", "odd.mcap").code == 0
     answer = call("compare", "odd.mcap", "--json", "c.json")
     assert answer.code == 0, answer.err
-    assert "No test was repeated, so there is no floor" in answer.out and "othing stands out" not in answer.out
+    assert "No test was repeated, so repeatability is unknown" in answer.out and "othing stands out" not in answer.out
     negative = [one for one in read_answer(Path("c.json"))["models"][0]["error"].values() if one and (one["r2"] or 0) < 0]
     assert bool(negative) == ("r2 is negative for" in answer.out)
 

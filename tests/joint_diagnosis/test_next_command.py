@@ -74,7 +74,7 @@ def test_the_proposed_tests_settle_the_verdict(call: Call, leak: Path) -> None:
         (("next", "--rivals", "leakage", "--as", "a/b"), "cannot be the name"),
         (("next", "--rivals", "leakage", "pump=pump3"), "pump"),
         (("next", "--rivals", "leakage", "repetitions=3"), "belongs to the run"),
-        (("next", "--rivals", "leakage", "procedure.preload_mpa=0.123"), "no test of the menu is left"),
+        (("next", "--rivals", "leakage", "procedure.preload_mpa=0.123"), "no test of the menu remains"),
         (("next", "--rivals", "leakage", "--effort", "quik"), "did you mean 'quick'"),
     ],
 )

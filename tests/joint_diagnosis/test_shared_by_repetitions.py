@@ -53,12 +53,17 @@ def test_the_worst_conditions_are_told_over_their_floor() -> None:
     assert [(row["condition"], row["channel"]) for row in rows[:1]] == [("slow", "arm_deg")]
     assert rows[0]["over_floor"] == pytest.approx(np.sqrt(2.5) / 0.5) and (rows[0]["shared"], rows[0]["unit"]) == (1.2, "deg")
     assert next(row for row in rows if row["condition"] == "fast")["shared"] is None
-    [said] = worst_words(rows, "the floor")
-    assert said == "slow 3.2 x the floor in arm angle, 1.2 deg of it shared by repetitions; fast 1 x the floor in arm angle."
+    [said] = worst_words(rows, "the noise floor")
+    assert said.startswith("slow 3.2 x the noise floor in arm angle, 1.2 deg of it shared by repetitions; ")
+    assert said.endswith("; fast 1 x the noise floor in arm angle.")
     headings, table = worst_table(rows)
     assert headings[-1] == "shared by repetitions" and table[0] == ["slow", "arm angle", "3.16", "1.2 deg"]
     headings, table = worst_table([row | {"shared": None} for row in rows])
-    assert headings[-1] == "error / floor" and table[0] == ["slow", "arm angle", "3.16"] and worst_words([], "the floor") == []
+    assert (
+        headings[-1] == "error / noise floor"
+        and table[0] == ["slow", "arm angle", "3.16"]
+        and worst_words([], "the noise floor") == []
+    )
 
 
 @pytest.mark.parametrize(

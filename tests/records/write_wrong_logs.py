@@ -14,7 +14,7 @@ from hjcamp.storage import whole_file
 PAGE = Path(__file__).parents[2] / "docs" / "wrong_logs.md"
 HEAD = """# Logs that are wrong on purpose, and what is said of them
 
-Written by `make wrong_logs`. One log of a set of sound ones is spoilt, or a spoilt copy is put beside them; the sentence is that of
+Written by `make wrong_logs`. One log of a set of sound ones is spoilt, or a spoilt copy is put next to them; the sentence is that of
 `hjcamp log verify`, `import`, `compare`, `diagnose`, `add` and `next`. An *error* is refused by every analysis; after a *warning* a
 log that differs from its repetitions is named, by `compare` of the joint in place of a conclusion, and a copy counts once.
 Nothing is said of the sound sets.
@@ -24,7 +24,7 @@ Nothing is said of the sound sets.
   log is the second of `swing`.
 
 "not named" is a fault that a closer look could see. Where the last column begins with "not known", no look at these logs can: why
-stands beside it. Two statistics decide (`hjcamp/records/sets/`): an F test of a log's deviation from the mean of its repetitions,
+is next to it. Two statistics decide (`hjcamp/records/sets/`): an F test of a log's deviation from the mean of its repetitions,
 with the degrees of freedom of the deviations' spectra, and how far that ratio stands out of those of all other logs of the set
 (Student's t of its logarithm), at a level of one wrongly named log in twenty sets.
 """

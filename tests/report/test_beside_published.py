@@ -230,7 +230,7 @@ def test_runs_whose_conditions_have_equal_names_are_kept_apart() -> None:
     sheet = arrange_conditions(by_condition(indicators_frame(logs)))
     assert sheet.headers[:3] == ["condition", "controller.positive.kp", "n"]
     assert [[cell.text for cell in row[1:3]] for row in sheet.rows] == [["0.7", "2"], ["1.05", "2"]]
-    assert f"No published value stands beside ramp_pos__pid: {SOFTER}." in sheet.notes
+    assert f"No published value is shown next to ramp_pos__pid: {SOFTER}." in sheet.notes
 
 
 def test_simulated_values_of_5_3_2_stand_beside_their_own_gains_alone() -> None:

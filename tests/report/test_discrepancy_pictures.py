@@ -51,7 +51,9 @@ def test_equal_content_gives_equal_pictures() -> None:
 
 
 def test_bars_and_maps_name_what_they_show() -> None:
-    errors = draw_errors([("published", 15.5), ("calibrated", 14.1), ("with leakage", 1.15), ("floor", 1.0)], "error / floor")
+    errors = draw_errors(
+        [("published", 15.5), ("calibrated", 14.1), ("with leakage", 1.15), ("floor", 1.0)], "error / noise floor"
+    )
     assert all(name in errors for name in ("published", "calibrated", "with leakage", "floor", "15.50"))
     empty = Map(*[np.zeros(0)] * 4, "Speed of the sliders (mm/s)", "Arm angle (deg)", "Missing force (N)")
     svg = draw_map(empty, [("", "joint", 0.9), ("joint, by direction", "positive", 0.5)])
@@ -115,7 +117,7 @@ BARS = [("", "joint", 0.9), ("joint, by direction", "positive", 0.5)]
 # Every picture of the pages of compare and diagnose, but the cells of the map.
 PICTURES = {
     "overlay": lambda: draw_overlay(overlay()),
-    "errors": lambda: draw_errors([("published", 6.1), ("floor", 1.0)], "error / floor"),
+    "errors": lambda: draw_errors([("published", 6.1), ("floor", 1.0)], "error / noise floor"),
     "horizon": lambda: draw_horizon([HorizonCurve("published", LINE, LINE)], LINE),
     "where": lambda: draw_map(Map(NOTHING, NOTHING, NOTHING, NOTHING, "", "", ""), BARS),
     "unexplained": lambda: draw_unexplained("Arm angle (deg)", "Force (N)", LINE, LINE, -LINE),

@@ -22,9 +22,22 @@ def test_every_word_is_one_sentence_and_every_other_name_leads_to_one() -> None:
 
 @pytest.mark.parametrize(
     ("asked", "found"),
-    [("floor", "floor"), ("Surrogate data", "surrogate data"), ("LAW_LEFT", "law left"), ("held out", "held-out"),
-     ("outside_library", "outside the library"), ("confidence_set", "confidence set"), ("twins", "twin")],
-)  # fmt: skip
+    [
+        ("floor", "noise floor"),
+        ("NOISE_FLOOR", "noise floor"),
+        ("free law", "non-parametric term"),
+        ("runs away", "diverges"),
+        ("chapters left out", "block"),
+        ("told apart", "distinguishable"),
+        ("left", "residual share"),
+        ("Surrogate data", "surrogate data"),
+        ("LAW_LEFT", "law left"),
+        ("held out", "held-out"),
+        ("outside_library", "outside the library"),
+        ("confidence_set", "confidence set"),
+        ("twins", "null replicate"),
+    ],
+)
 def test_explain_finds_a_word_however_it_is_written(asked: str, found: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["explain", *asked.split()]) == 0
     assert " ".join(capsys.readouterr().out.split()) == f"{found}: {WORDS[found]}"
@@ -39,13 +52,13 @@ def test_explain_names_the_nearest_word_and_lists_all(capsys: pytest.CaptureFixt
 
 
 def test_a_page_explains_its_words_once_each_and_no_others() -> None:
-    assert glossed("The floor and the floor < 1") == (
-        f'The <abbr title="{escape(WORDS["floor"])}">floor</abbr> and the floor &lt; 1'
+    assert glossed("The noise floor and the noise floor < 1") == (
+        f'The <abbr title="{escape(WORDS["noise floor"])}">noise floor</abbr> and the noise floor &lt; 1'
     )
     assert glossed("floored, window-sill") == "floored, window-sill"
-    html = discrepancy_page("A page", "", [bullets(["p-value of chapters left out"]), note("floor unknown & more")])
+    html = discrepancy_page("A page", "", [bullets(["p-value of held-out blocks"]), note("noise floor unknown & more")])
     listed = re.findall(r"<dt>([^<]*)</dt>", html)
-    assert listed == ["floor", "chapter", "p-value"]
+    assert listed == ["noise floor", "block", "p-value"]
     assert "<dl>" not in discrepancy_page("Another", "", [note("nothing of this")])
 
 

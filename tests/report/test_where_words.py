@@ -49,11 +49,11 @@ def test_a_bin_in_words(variable: str, label: str, told: str) -> None:
 
 def test_the_sentences() -> None:
     said = where_sentences(PLACES, 6.0)
-    assert said[0].startswith("90 % of the excess error: joint (")
-    assert said[1].startswith("10 % of the excess error: lines (")
+    assert said[0].startswith("90 % of the error above repeatability: joint (")
+    assert said[1].startswith("10 % of the error above repeatability: lines (")
     strongest = "joint, moving in the positive direction, below 2 mm/s, in 6 of 8 conditions."
-    assert said[2] == f"58 % of the excess error: {strongest}"
-    assert "the same error, divided another way" in said[3] and len(said) == 4
+    assert said[2] == f"58 % of the error above repeatability: {strongest}"
+    assert "same error, grouped differently" in said[3] and len(said) == 4
 
 
 def test_conditions_without_such_moments_are_counted_apart() -> None:
@@ -63,11 +63,11 @@ def test_conditions_without_such_moments_are_counted_apart() -> None:
 
 def test_little_left_is_said_first() -> None:
     said = where_sentences(PLACES, 1.12)
-    assert said == ["What is left is 1.1 x the floor: nothing stands out (of that little, 90 % joint, 10 % lines)."]
+    assert said == ["The error is 1.1 x the noise floor: nothing stands out (of that little, 90 % joint, 10 % lines)."]
     alone = where_sentences([])[0]
-    assert alone.startswith("No test was repeated, so there is no floor") and "repetitions=3" in alone
+    assert alone.startswith("No test was repeated, so repeatability is unknown") and "repetitions=3" in alone
     assert "stands out" not in alone
-    assert where_sentences([], 1.2)[0].startswith("What is left is 1.2 x the floor: nothing stands out")
+    assert where_sentences([], 1.2)[0].startswith("The error is 1.2 x the noise floor: nothing stands out")
 
 
 def test_a_calibration_that_makes_it_worse_is_said() -> None:

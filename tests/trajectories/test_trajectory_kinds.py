@@ -142,7 +142,7 @@ BAD = [
     ({"kind": "segments", "segments": "rest"}, "at least one"),
     ({"kind": "segments", "segments": [{"rest": 1.0}], "duration": 2.0}, "unknown trajectory parameter 'duration'"),
     ({"kind": "segments", "segments": [{"rest": 0.0}]}, "rest is 0.0; a number from"),
-    ({"kind": "segments", "segments": [{"rest": 1.0, "in": 2.0}]}, "beside other"),
+    ({"kind": "segments", "segments": [{"rest": 1.0, "in": 2.0}]}, "with other"),
     ({"kind": "segments", "segments": [{"to_deg": 1.0, "by_deg": 1.0, "in": 1.0}]}, "one of"),
     ({"kind": "segments", "segments": [{"to_deg": 1.0}]}, "needs 'in'"),
     ({"kind": "segments", "segments": [{"to_degree": 1.0, "in": 1.0}]}, "did you mean 'to_deg'"),

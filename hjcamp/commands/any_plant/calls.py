@@ -70,7 +70,7 @@ def compare(data: Data, names: list[str], json: Path | None, into: Path | None, 
 
 
 def add(there: list[Path], names_and_paths: list[str], name: str, model: str, json: Path | None) -> None:
-    """Fit effects of a plant, save the model, and show the error on chapters that were not used; ``there`` are its logs."""
+    """Fit effects of a plant, save the model, and show the error on blocks that were not used; ``there`` are its logs."""
     from hjcamp.campaign.console import make_console
     from hjcamp.commands.shared.session import progress_of, write_answer
 

@@ -18,10 +18,10 @@ def fitted_parameters(words: Words) -> tuple[list[Estimate], Any]:
     from hjcamp.report.pictures.corner import correlation_of
 
     analysis = words.analysis
-    fitted, chapters = words.verdict.model.fitted, analysis.search.chapters
-    spread = np.sqrt(np.maximum(np.diag(covariance_of(fitted, chapters).whole), 0.0))
+    fitted, blocks = words.verdict.model.fitted, analysis.search.blocks
+    spread = np.sqrt(np.maximum(np.diag(covariance_of(fitted, blocks).whole), 0.0))
     found, kept = [], []
-    for place, (one, free) in enumerate(zip(intervals(fitted, chapters), fitted.free, strict=True)):
+    for place, (one, free) in enumerate(zip(intervals(fitted, blocks), fitted.free, strict=True)):
         unit = _unit(words, one.effect, one.name)
         if unit is None or not one.told:
             continue

@@ -87,7 +87,7 @@ def missing_of(words: Words) -> Missing:
 
 
 def beside_of(words: Words) -> Missing:
-    """Return the free law that is missing beside the named effects."""
+    """Return the free law that is missing in addition to the named effects."""
     from hjcamp.diagnosis.decision.free_curve import curve_of
 
     analysis, unknown = words.analysis, words.verdict.unknown
@@ -212,7 +212,7 @@ def _swing(swing: Swing) -> tuple[Any, ...]:
     from hjcamp.report.names import readable
 
     rows, sensor = slice(0, None, max(len(swing.time) // POINTS, 1)), swing.sensor
-    title = f"{readable(swing.test)}: what swings at {swing.frequency:.4g} Hz"
+    title = f"{readable(swing.test)}: oscillation at {swing.frequency:.4g} Hz"
     errors, line = (one[rows] * sensor.scale for one in (swing.errors, swing.line))
     return title, f"error of {sensor.quantity.replace('_', ' ')}", sensor.unit, swing.time[rows], errors, [("a sine", line)]
 

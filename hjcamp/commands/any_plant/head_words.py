@@ -47,8 +47,4 @@ def _carried(analysis: Analysis) -> str:
     """Return in words which states begin a window where the one before left them."""
     layout, unseen = analysis.windows.layout, analysis.windows.unseen
     names = [name for name, hidden in zip(layout.measured.plant.states, unseen, strict=True) if hidden]
-    return (
-        f"; {', '.join(names)}, which nothing measures, where the window before left it"
-        if names and layout.goes_on.any()
-        else ""
-    )
+    return f"; {', '.join(names)}, which nothing measures, as the window before ended" if names and layout.goes_on.any() else ""

@@ -108,7 +108,7 @@ def title(done: PlantProposed) -> str:
     if len(proposal.question.rivals) < 2:
         return "NOTHING TO SEPARATE"
     if not proposal.chosen:
-        return "NO TEST TELLS"
+        return "NO DISCRIMINATING TEST"
     one = proposal.tests[0]
     size = f"{counted(proposal.chosen, 'test')} of {one.seconds:.3g} s"
     again = f", {one.repetitions} repetitions each" if one.repetitions > 1 else ""
@@ -122,17 +122,14 @@ def sentences(done: PlantProposed) -> list[str]:
     if len(proposal.question.rivals) < 2:
         return [
             *found,
-            "Nothing is to be told apart: every effect of the library would stand out in these tests at its usual size.",
+            "No rivals remain: every effect of the library would be detectable in these tests at its typical size.",
         ]
     found += _left_out(done)
     hidden = [one.name for one in proposal.question.rivals if not one.fitted]
     if hidden:
-        found.append(f"At their usual size these would not stand out in the tests so far: {', '.join(hidden)}.")
+        found.append(f"At their typical size these would not be detectable in the tests so far: {', '.join(hidden)}.")
     if not proposal.tried:
-        found.append(
-            "No test is left of those that were made up from these logs: in each a rival runs away, or goes far beyond what the logs "
-            "visited."
-        )
+        found.append("Every test generated from these logs makes a rival diverge, or goes far beyond what the logs visited.")
     elif not proposal.chosen:
         best = proposal.tests[0].wanted.text if proposal.tests else ""
         apart = f"; the best, {best}, separates one pair by {proposal.best:.1f} standard deviations" if best else ""
@@ -145,15 +142,17 @@ def sentences(done: PlantProposed) -> list[str]:
         rivals = proposal.question.rivals
         if alike:
             pairs = ", ".join(f"{rivals[a].name} / {rivals[b].name}" for a, b in alike)
-            found.append(f"Still alike after these tests: {pairs}.")
+            found.append(f"Still indistinguishable after these tests: {pairs}.")
         if proposal.by_motion:
             found.append(
                 "Each test is a motion, as this plant stays where it is moved: a loop or a course of inputs has to make it; what that "
                 "has to give is in the answer (beyond), and may be more than your drive can."
             )
     if said and (not proposal.chosen or any(value < _needed() for value in proposal.together.values())):
-        which = "Kinds of test that tell" if proposal.chosen else "Beyond what was tried, kinds of test that may tell"
-        found.append(f"{which} them apart: {'; '.join(said)}.")
+        which = (
+            "Kinds of test that distinguish" if proposal.chosen else "Beyond what was tried, kinds of test that may distinguish"
+        )
+        found.append(f"{which} them: {'; '.join(said)}.")
     return found
 
 
@@ -166,7 +165,7 @@ def _left_out(done: PlantProposed) -> list[str]:
     left = [one for one in sets if one and one not in names]
     if not left or len(names) < MOST or not set(names) <= set(sets):
         return []
-    return [f"The tests do not rule out {', '.join(left)} either; {MOST} are told apart at once: --rivals A,B names others."]
+    return [f"The tests do not rule out {', '.join(left)} either; {MOST} are distinguished at once: --rivals A,B names others."]
 
 
 def no_campaign(proposal: Proposal) -> str:
@@ -211,7 +210,7 @@ def tell(console: Console, done: PlantProposed, picture: Path | None, campaign: 
     if done.reused:
         console.print(f"diagnosis of the same logs taken from {done.reused}", style="dim", markup=False)
     if len(proposal.question.rivals) > 1:
-        console.print(f"To be told apart: {names_of(proposal)}.", markup=False)
+        console.print(f"To distinguish: {names_of(proposal)}.", markup=False)
     console.print(title(done), style="bold" if proposal.chosen else "yellow", markup=False, highlight=False)
     if proposal.chosen:
         table(console, HEAD, rows(proposal))

@@ -19,9 +19,9 @@ def swing_words(row: Mapping[str, Any]) -> str:
     from hjcamp.report.exploration import channel_label
 
     return (
-        f"What {channel_label(row['channel'])} errs by over whole tests swings at {plain(row['frequency_hz'], 4)} Hz, by "
-        f"{told(row['rms'], row['unit'])} rms, which nothing that is given does: a force, a flow or a disturbance from outside. "
-        f"Without it {100.0 * row['left']:.0f} % is left (chance: p = {plain(row['chance'], 2)})."
+        f"The free-run error of {channel_label(row['channel'])} contains an oscillation at {plain(row['frequency_hz'], 4)} Hz, "
+        f"{told(row['rms'], row['unit'])} rms, that no input contains: a force, a flow or a disturbance from outside. "
+        f"Without it {100.0 * row['left']:.0f} % of the error remains (chance: p = {plain(row['chance'], 2)})."
     )
 
 
@@ -31,14 +31,14 @@ def by_condition_words(row: Mapping[str, Any], before: float) -> list[str]:
     for name, found in row["parameters"].items():
         values: dict[str, list[str]] = {}
         for condition, one in found["conditions"].items():
-            value = told(one["value"], found["unit"]) if one.get("told", True) else "not told"
+            value = told(one["value"], found["unit"]) if one.get("told", True) else "not identifiable"
             values.setdefault(value, []).append(condition)
         label = name.replace("_", " ").replace(DELAY, "delay of ")
         alike[label] = [f"{value} in {' and '.join(where)}" for value, where in values.items()]
     each = "; ".join(f"{label} is {', '.join(said)}" for label, said in alike.items())
     return [
-        f"The base is not the same in all conditions: fitted to each alone it leaves {row['left']:.2f} times the floor, instead of "
-        f"{before:.2f}. {each[:1].upper()}{each[1:]}.",
+        f"The base is not the same in all conditions: fitted to each alone it leaves {row['left']:.2f} times the noise floor, "
+        f"instead of {before:.2f}. {each[:1].upper()}{each[1:]}.",
         "What is known to differ can be given with each test: Parameter(..., given=NAME), and NAME in the metadata of its log.",
     ]
 
@@ -50,7 +50,7 @@ def constant_words(rows: Mapping[str, Mapping[str, Any]], before: float) -> list
         label = name.replace("_", " ")
         said.append(
             f"The plant's file gives {label} as {told_like(one['declared'], one)}. With {told_estimate(one)} "
-            f"({told_interval(one)}) and nothing else the error is {one['left']:.2f} times the floor instead of "
+            f"({told_interval(one)}) and nothing else the error is {one['left']:.2f} times the noise floor instead of "
             f"{before:.2f}: if it is not known so well, write base=True at {name} and ask again."
         )
     return said
@@ -64,16 +64,16 @@ def over_time_words(row: Mapping[str, Any], repeated: bool, p_value: float) -> l
     if row["driver"] != "time":
         return []
     memory = (
-        "Of tests that were not repeated, what depends on time may as well be what the plant remembers: something that warms, fills or "
-        "settles with what was done, in a place that no store or body of the plant's file stands for."
+        "Without repetitions, a dependence on time may also be an unmodelled memory: something that warms, fills or settles with what "
+        "was done, where the plant's file has no store or body."
     )
     each = (
         "What comes from outside, as a room or a wind, can be measured and given: an Input(..., field=NAME) of the plant's file, in "
         "its equations."
     )
     drifts = (
-        f"Moved in time the residuals promise as much (p = {plain(p_value, 2)}), as what drifts does: that it is there is told by "
-        "chapters left out, of whose error it takes most."
+        f"Circularly shifted residuals give as large a statistic (p = {plain(p_value, 2)}), as drift does: the evidence is that it "
+        "explains most of the error of held-out blocks."
     )
     return [drifts] * (p_value > LEVEL) + [each] * (row["apart_s"] > 0.0) + [memory] * (not repeated)
 
@@ -96,7 +96,7 @@ def no_memory_words(
                 how = "depends on the rate" if end == "least" else "depends on the moment alone"
                 took = f"{one['effect']} would take {100.0 * (1.0 - left_of(one)):.0f} %"
                 said.append(
-                    f"{took}, but its {name.replace('_', ' ')} stands at the {end} that it may be or that windows tell: these tests do "
+                    f"{took}, but its {name.replace('_', ' ')} is at the {end} that its bounds or the windows allow: these tests do "
                     f"not show that it remembers, and a law that {how} would do the same."
                 )
     return said
@@ -112,7 +112,7 @@ def seldom(candidates: Sequence[Mapping[str, Any]], window_s: float) -> list[str
     for one in sorted(found, key=left_of)[:1]:
         times = [row["value"] for row in one["parameters"].values() if row["unit"] == "s"]
         what = (
-            f"a window of {plain(window_s, 2)} s is short beside its {plain(max(times), 2)} s: longer tests have longer windows."
+            f"a window of {plain(window_s, 2)} s is short relative to its {plain(max(times), 2)} s: longer tests have longer windows."
             if times and 3.0 * max(times) > window_s
             else "record more of the motion in which it acts."
         )
@@ -127,7 +127,7 @@ def never_alone(library: Mapping[str, type[Effect]]) -> list[str]:
 
     kept = [name for name, one in library.items() if one.behind and not is_of_its_own(one, library.values())]
     return [
-        f"{name} acts behind what bends its {library[name].behind}, such as a dead band or a limit; none of that is considered here, "
-        "and so it was not looked for."
+        f"{name} was not tested: it is only distinguishable after a nonlinearity of its {library[name].behind}, such as a dead band or "
+        "a limit, and none is considered here."
         for name in kept
     ]

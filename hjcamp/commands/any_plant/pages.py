@@ -17,8 +17,8 @@ WINDOWS = 3
 EVIDENCE = {
     "missing_before": "What the calibrated model misses over what drives it, and the named law through it",
     "missing_after": "The same with what was found added",
-    "beside": "What is missing beside what was found",
-    "swing": "What the calibrated model errs by over a whole test, the sine in it, and what is left without that",
+    "beside": "What is missing in addition to what was found",
+    "swing": "What the calibrated model errs by over a whole test, the sine in it, and the residual without that",
     "worst_test": "The worst test before and after",
     "gains": "The gains of surrogate data, and the real one",
 }
@@ -67,8 +67,8 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
         parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows), *map(page.note, words.beside_note)]
         parts.append(
             page.note(
-                "t: of the paired differences over chapters left out. Left: the share of their error above repeatability that stays, "
-                "of all of it where it lies no higher."
+                "t: of the paired differences over held-out blocks. Residual: the share of their error above repeatability that "
+                "remains, of all of it where it lies no higher."
             )
         )
     whole = words.content["whole_tests"]
@@ -76,7 +76,7 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
     parts.append(page.note(said.floor_note(analysis) + (f" {said.WHOLE_NOTE}" if whole else "")))
     parts.append(page.picture("The worst windows", pictures["windows"]))
     parts += [
-        page.heading("What is left in the residuals"),
+        page.heading("Structure of the residuals"),
         page.side_by_side([(said, pictures[name]) for name, said in CORRELATIONS.items() if name in pictures]),
         page.note(BAND + (REPEATED if analysis.measured.repeated else "")),
     ]
@@ -126,7 +126,7 @@ def write_comparison(found: PlantComparison, folder: Path, following: Sequence[s
     last = found.models[-1]
     whole = said.whole_table(found)
     of_whole = [page.heading("Whole tests"), page.table_of(*whole), page.note(said.WHOLE_NOTE)] if whole else []
-    anew = "with each test" if layout.memory else f"anew every {plain(layout.width * layout.measured.period)} s"
+    again = "with each test" if layout.memory else f"again every {plain(layout.width * layout.measured.period)} s"
     parts = [
         page.table_of(head, rows),
         page.note(f"Error {over_windows(analysis)}. {said.floor_note(analysis)}"),
@@ -134,7 +134,7 @@ def write_comparison(found: PlantComparison, folder: Path, following: Sequence[s
         next_steps(following),
         *of_whole,
         explorer_html(exploration_of(found)),
-        page.note(f"Predictions begin {anew}, where each fits best; the table has errors without what those starts do."),
+        page.note(f"Predictions begin {again}, where each fits best; the table has errors without what those starts do."),
         *(page.picture(caption, pictures[name]) for name, caption in captions.items()),
         page.picture("The worst windows", pictures["windows"]),
         page.heading("Tests"),

@@ -19,7 +19,7 @@ def most_remains(content: Mapping[str, Any], verdict: Verdict, source: str) -> l
     rows = content["channels"]
     name = max(rows, key=lambda one: rows[one]["augmented"] / max(rows[one]["floor"], 1e-300))
     row = rows[name]
-    kind = "its own noise (third differences)" if source == "sensor" else "the floor"
+    kind = "its own noise (third differences)" if source == "sensor" else "the noise floor"
     if any(row["baseline"] - row["augmented"] >= MOST_OF_IT * (row["baseline"] - row["floor"]) for row in rows.values()):
         if row["floor"] >= (1.0 - MOST_OF_IT) * row["augmented"]:
             return []
@@ -33,12 +33,12 @@ def most_remains(content: Mapping[str, Any], verdict: Verdict, source: str) -> l
             return [f"{errs}."]
         if source == "repetitions":
             return [
-                f"Repetitions share most of what is left, {row['augmented'] / row['floor']:.2g} times the floor in "
-                f"{channel_label(name)}: the law has not quite this form, or something else is missing as well."
+                f"Repetitions share most of the residual, {row['augmented'] / row['floor']:.2g} times the noise floor in "
+                f"{channel_label(name)}: the true law has a different shape, or something else is missing as well."
             ]
-        return [f"{errs}: the law has not quite this form, something else is missing as well, or the rig scatters."]
+        return [f"{errs}: the true law has a different shape, something else is missing as well, or the rig scatters."]
     return [
-        f"Most of the error is left: {channel_label(name)} errs by {told(row['augmented'], row['unit'])} instead of "
+        f"Most of the error remains: {channel_label(name)} errs by {told(row['augmented'], row['unit'])} instead of "
         f"{told(row['baseline'], row['unit'])}, {row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}. "
         "Something else is missing as well, or the rig scatters."
     ]
@@ -55,30 +55,33 @@ def over_noise(content: Mapping[str, Any], source: str) -> list[str]:
     return [
         f"{channel_label(name)} errs by {told(errs[name], rows[name]['unit'])}, {errs[name] / rows[name]['low']:.2g} times its "
         f"own noise (third differences). Near-replicates differ by {told(rows[name]['value'], rows[name]['unit'])}: that is "
-        "scatter of the rig, or something that no log tells. A repeated test would tell which."
+        "scatter of the rig, or something that no log contains. A repeated test would show which."
     ]
 
 
 def remains(name: str, row: Mapping[str, Any], p: float) -> str:
     """What a channel still errs by, beside chance, and what may be the reason."""
     chance = (
-        f"and more than chance (p = {plain(p, 2)}): something may be there that neither the library nor a free law describes."
+        f"and more than chance (p = {plain(p, 2)}): something may be missing that neither the library nor a non-parametric term "
+        "describes."
         if p <= 0.05
-        else f"though the library takes no more of it than chance (p = {plain(p, 2)})."
+        else f"though the library explains no more of it than chance (p = {plain(p, 2)})."
     )
     scatter = (
         "Repetitions share it in few windows alone."
         if row["source"] == "repetitions"
-        else "A repeated test would tell whether it is scatter of the rig."
+        else "A repeated test would show whether it is scatter of the rig."
     )
     return f"{still_errs(name, row)}, {chance} {scatter}"
 
 
 def still_errs(name: str, row: Mapping[str, Any]) -> str:
-    """What a channel still errs by, and how many times its floor or noise that is."""
+    """What a channel still errs by, and how many times its noise floor or noise that is."""
     from hjcamp.report.exploration import channel_label
 
-    times = f"{row['high'] / least(row):.2g} times its {'own noise (third differences)' if row['value'] is None else 'floor'}"
+    times = (
+        f"{row['high'] / least(row):.2g} times its {'own noise (third differences)' if row['value'] is None else 'noise floor'}"
+    )
     return f"{channel_label(name)} still errs by {told(row['high'], row['unit'])}, {times}"
 
 
@@ -87,14 +90,14 @@ def false_claims(shares: Mapping[str, float]) -> list[str]:
     kinds = {
         "twins": "residuals drawn at random",
         "shifted": "circularly shifted residuals",
-        "decoys": "effects each moved in time by itself",
+        "decoys": "circularly shifted effects",
     }
     said = [f"{100.0 * shares[name]:.0f} % of {kind}" for name, kind in kinds.items() if name in shares]
-    rests = "; by itself it tells nothing here:" if max(shares.values(), default=0.0) > LEVEL else ";"
+    rests = ", so it is not evidence on its own" if max(shares.values(), default=0.0) > LEVEL else ""
     return (
         [
-            f"No test was repeated. Where nothing is, screening promises as much before any fit in {', '.join(said)}{rests} "
-            "what is said rests on fits to chapters left out."
+            f"No test was repeated. The screening statistic is as large in {', '.join(said)}{rests}; "
+            "the answer rests on held-out blocks."
         ]
         if said
         else []

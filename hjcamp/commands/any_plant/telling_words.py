@@ -21,7 +21,7 @@ TELLING = {
     "difference": "holds with several differences of the two levels, without inflow",
     "upstream": "emptying from several levels",
     "demand": "steps of several sizes, small ones among them, in both directions",
-    "true": "holds at several values, with another instrument beside the sensor",
+    "true": "holds at several values, with another instrument in parallel with the sensor",
 }
 
 

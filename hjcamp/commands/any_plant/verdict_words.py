@@ -59,7 +59,7 @@ TITLES = {
     "cannot_tell": "CANNOT TELL",
 }
 STYLES = {"nothing_missing": "green", "effect": "bold", "one_of": "bold"}
-CANDIDATES = ("effect", "t", "left", "parameter", "value", "95 %")
+CANDIDATES = ("effect", "t", "residual", "parameter", "value", "95 %")
 
 
 @dataclass(frozen=True)
@@ -80,9 +80,9 @@ class Words:
         state = state_of(self.content["unknowns"][0]) if self.content["unknowns"] else ""
         said = names or (f"depends on {state or local_driver(local) + of_place}" if drivers else "")
         if self.verdict.word == "nothing_missing" and (far := self.far_off):
-            return f"NOTHING NAMED  {still_errs(*far)}"
+            return f"NOTHING IDENTIFIED  {still_errs(*far)}"
         if self.verdict.word == "nothing_missing" and self.verdict.p_value <= LEVEL:
-            return f"NOTHING NAMED  what is left is more than chance ({self.chance})"
+            return f"NOTHING IDENTIFIED  the residual exceeds chance ({self.chance})"
         return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
 
     @property
@@ -141,9 +141,10 @@ class Words:
     def _not_enough(self) -> str:
         """Return in words why what can be told from the motion has no name."""
         if refused := self.verdict.refused:
-            takes = "takes" if len(refused) == 1 else "take"
-            return f"{' with '.join(refused)}, which predicts better than nothing, {takes} less than half of that and is not all of it"
-        return "no effect of the library is shown to take it chapter by chapter, and no law of one quantity is"
+            one = len(refused) == 1
+            verbs = ("improves", "explains") if one else ("improve", "explain")
+            return f"{' with '.join(refused)} {verbs[0]} prediction but {verbs[1]} less than half of it"
+        return "no effect of the library and no law of one quantity is shown to explain it block by block"
 
     def sentences(self) -> list[str]:
         """The answer in sentences."""
@@ -160,15 +161,16 @@ class Words:
         first = self.content["unknowns"][0] if self.content["unknowns"] else None
         if verdict.word == "outside_library" and first:
             found.append(
-                f"{with_article(free_law(first), begins=True)}, of a form that no effect of the library has, predicts better: "
+                f"{with_article(free_law(first), begins=True)}, as a non-parametric term, predicts better than any "
+                "effect of the library: "
                 f"it leaves {100.0 * left_of(first):.0f} % of {share_of(first, self.analysis.floor.source)}. Its curve is on the page, "
                 "and holds with the parameters in the column 'with what was found'."
             )
             found += over_time_words(first, self.analysis.measured.repeated, verdict.p_value)
         if beside := self.content["follows_motion"]["beside_law"]:
             found.append(
-                f"Of what it leaves {100.0 * beside:.0f} % can be told from the motion and the inputs of its moment all the same (a "
-                "regression, on chapters left out): something else is missing as well, or what was before matters."
+                f"A regression on current motion and inputs still predicts {100.0 * beside:.0f} % of the remaining error (held-out "
+                "blocks): something else is missing as well, or it depends on the past."
             )
         if self.content["swings"]:
             found.append(swing_words(self.content["swings"]))
@@ -178,27 +180,27 @@ class Words:
         if verdict.follows:
             above = " above repeatability" if self.analysis.floor.source == "repetitions" else ""
             found.append(
-                f"{100.0 * verdict.follows:.0f} % of the error{above} can be told from the motion and the inputs of its moment (a "
-                f"regression, on chapters left out), but {self._not_enough()}: it may depend on several, or on what was before."
+                f"A regression on current motion and inputs predicts {100.0 * verdict.follows:.0f} % of the error{above} (held-out "
+                f"blocks), but {self._not_enough()}: it may depend on several quantities, or on the past."
             )
             told_most = [one.replace("_", " ") for one in self.content["follows_motion"]["quantities"]]
             if told_most:
-                found.append(f"What tells most of it: {', '.join(told_most)}.")
+                found.append(f"Most predictive: {', '.join(told_most)}.")
             found += self._seldom()
         elif verdict.word == "outside_library" and not any(self.content[key] for key in ("unknowns", "swings", "by_condition")):
             repeated = self.analysis.floor.source == "repetitions" and verdict.law_left == 1.0
             found.append(
-                "An effect of the library predicts better than none, but takes less than half of what is missing: it is not that."
+                "An effect of the library improves prediction but explains less than half of what is missing: it is not that."
                 if not repeated
-                else "Repetitions share most of what the model leaves, in most windows, but no effect of the library and no free law "
-                "is shown to take it."
+                else "Most of the residual is common to the repetitions, in most windows, but no effect of the library and no "
+                "non-parametric term is shown to explain it."
             )
             found += self._seldom() if repeated else []
         if verdict.word == "nothing_missing":
             found.append(
-                "No effect and no unknown is shown to take a share of the error that matters (10 %) on chapters left out."
+                "No effect and no non-parametric term is shown to explain a relevant share of the error (10 %) on held-out blocks."
                 if verdict.p_value <= LEVEL
-                else f"No effect and no unknown promises more than chance does ({self.chance})."
+                else f"No candidate improves prediction beyond chance ({self.chance})."
             )
             if verdict.p_value <= LEVEL:
                 found += self._seldom()
@@ -206,26 +208,26 @@ class Words:
             left = 100.0 * min(verdict.law_left, 1.0)
             if first and self.beside:
                 found.append(
-                    f"Something outside the library is missing as well: beside what was found, {with_article(free_law(first))} takes "
-                    f"the last {left:.0f} % of the error that can be explained. Its curve is on the page."
+                    f"Something outside the library is missing as well: in addition to what was found, {with_article(free_law(first))} "
+                    f"explains the last {left:.0f} % of the error that can be explained. Its curve is on the page."
                 )
             else:
                 freest = with_article(free_law(first)) if first else "a regression on the motion"
                 law = f"The law of {' or '.join(self.refined())}" if len(verdict.effects) > 1 and first else "The law"
-                found.append(f"{law} leaves {left:.0f} % of what {freest} takes: its form is not quite this.")
+                found.append(f"{law} leaves {left:.0f} % of what {freest} explains: the true law has a different shape.")
         if verdict.word in ("effect", "one_of") or (verdict.word == "outside_library" and verdict.unknown):
             source = self.analysis.floor.source
             found += most_remains(self.content, verdict, source) or over_noise(self.content, source)
         if verdict.word != "cannot_tell":
             found.append(
-                f"Normalised error on chapters left out: {error['baseline']:.2f} calibrated"
+                f"Normalised error on held-out blocks: {error['baseline']:.2f} calibrated"
                 + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects or verdict.unknown else ".")
             )
             if verdict.word == "nothing_missing" and (far := self.far_off):
                 found.append(remains(*far, verdict.p_value))
             elif verdict.word == "nothing_missing" and verdict.p_value <= LEVEL:
                 found.append(
-                    f"What is left is more than chance ({self.chance}): something may be there that is small, or "
+                    f"The residual exceeds chance ({self.chance}): something small may be missing, or something "
                     "that the library does not describe."
                 )
             elif not verdict.swing and (verdict.p_value <= LEVEL or verdict.effects):
@@ -255,11 +257,11 @@ class Words:
         if self.verdict.word not in ("one_of", "outside_library"):
             return []
         said = telling_tests(self.verdict.effects, self.content["unknowns"], self.analysis.search.library)
-        return [f"Tests that would tell: {'; '.join(said)}."] if said else []
+        return [f"Tests that would decide: {'; '.join(said)}."] if said else []
 
     def worst(self) -> list[str]:
         """The conditions that err most with what was found."""
-        return worst_words(self.content["worst"], "the floor" if self.analysis.floor.source != "sensor" else "the noise")
+        return worst_words(self.content["worst"], "the noise floor" if self.analysis.floor.source != "sensor" else "the noise")
 
     def candidates(self) -> list[list[str]]:
         """Rows: effect, t, error left, parameter, value, 95 %."""
@@ -276,7 +278,7 @@ class Words:
     def beside_note(self) -> list[str]:
         """What the sign before an effect says, where one of those shown has it."""
         others = dict.fromkeys(name for one in self.content["candidates"][:SHOWN] for name in one.get("beside", ()))
-        return [f"+: found beside {' and '.join(others)}, and held against the model with that."] if others else []
+        return [f"+: added after {' and '.join(others)}; compared with the model that includes it."] if others else []
 
     def next_commands(self, paths: str, model: str, folder: str = "diagnose") -> list[str]:
         """The commands that go on from the answer."""
@@ -284,7 +286,7 @@ class Words:
         # no law of an effect can know a course of its own in each condition
         curve = bool(self.content["unknowns"]) and not self.content["unknowns"][0]["apart_s"]
         beside = (
-            [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing beside it"] if curve and self.beside else []
+            [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing in addition"] if curve and self.beside else []
         )
         if self.verdict.word == "effect":
             added, named = " ".join(self.verdict.effects), "_and_".join(self.verdict.effects)

@@ -24,9 +24,10 @@ if TYPE_CHECKING:
 #: Of all channels and shapes together: no quotient of the errors printed beside it, so it is named for what it is.
 NORMALISED = "normalised error"
 FLOORS = {
-    "repetitions": "floor: what repetitions do not share",
-    "near_replicates": "floor: by which alike moments differ (Gamma test; no test was repeated); beside a better model it may be lower",
-    "sensor": "floor unknown: no repetitions and too few alike moments; the sensor's noise in that part is shown, a lower bound",
+    "repetitions": "noise floor: repeatability, what repetitions do not share",
+    "near_replicates": "noise floor: repeatability estimated from near-replicates (Gamma test; no test was repeated), an upper bound",
+    "sensor": "noise floor unknown: no repetitions and too few near-replicates; the sensor's noise in that part is "
+    "shown, a lower bound",
 }
 
 
@@ -100,11 +101,11 @@ def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
         if row.get("held"):
             found.append(
                 f"{said} is held by its bound, {value}, far from what is declared: is a sign or a unit wrong in the plant's file or in "
-                "the import map? What is named may stand for that."
+                "the import map? It may absorb the missing effect."
             )
         elif limited(row) and not row.get("told", True) and not name.startswith(DELAY):
             found.append(
-                f"{said} stands at its bound, {value}, and these tests do not tell it: do they not move what it acts on, or is a "
+                f"{said} stands at its bound, {value}, and these tests do not determine it: do they not excite it, or is a "
                 "sign or a unit wrong?"
             )
     return found
@@ -153,22 +154,22 @@ def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], per
     longer = [name for name, row in late.items() if (row["ci95"][0] or 0.0) > period]
     if {"command_delay", "action_lag", "sensor_lag"} & {name.split("_at_")[0] for name in named}:
         own = [f"{name} by {late[name]['value']:.3g} s" for name in dict.fromkeys(most + longer)]
-        return [f"The base is late by itself, too ({', '.join(own)}): both together are what is late."] if own else []
+        return [f"Input delays were also fitted ({', '.join(own)}): the total lag is the sum."] if own else []
     if most:
         return [
             f"The delay of {' and '.join(most)} stands at the most that the base may have, {plain(late[most[0]]['value'], 3)} s: a "
             "longer one, or a lag, is an effect (command_delay, sensor_lag)."
         ]
     return [
-        f"The {name} acts {plain(late[name]['value'], 3)} s late, more than the one sample by which a log may be off: the base takes "
-        "so short a delay for itself, and one that is none (command_delay, sensor_lag, second_store) may stand behind it."
+        f"The {name} acts {plain(late[name]['value'], 3)} s late, more than the one sample by which a log may be off: the base "
+        "absorbs so short a delay, and the cause may be another (command_delay, sensor_lag, second_store)."
         for name in longer
     ]
 
 
 def run_away_words(content: Mapping[str, Any]) -> list[str]:
     """Say which of two models runs away where the tests are simulated through, and the other does not, and what errs by more there."""
-    which = {"baseline": "What is calibrated", "augmented": "With what was found the model"}
+    which = {"baseline": "The calibrated model", "augmented": "The model with what was found"}
     rows = [(name, *(one[key]["whole_rms"] for key in COMPARED), one["unit"]) for name, one in content["whole_tests"].items()]
     grown = [
         f"{name.replace('_', ' ')} ({plain(before, 3)} -> {plain(after, 3)} {unit})"
@@ -177,17 +178,17 @@ def run_away_words(content: Mapping[str, Any]) -> list[str]:
     ]
     more = "With what was found the error of whole tests grows: {}. It may stand for something else, that acts slowly."
     return [
-        f"{which[one]} {RUNS_AWAY} where these tests are simulated from their first sample on: it holds about what was measured alone."
+        f"{which[one]} {RUNS_AWAY} in free simulation of these tests: it is valid near the measured states only."
         for one in content["runs_away"]
     ] + [more.format(one) for one in grown]
 
 
 COMPARED = ("baseline", "augmented")
-CHANNELS = ("channel", "calibrated", "with what was found", "floor")
+CHANNELS = ("channel", "calibrated", "with what was found", "noise floor")
 WHOLE = "each test simulated from its first sample on, begun where it fits best"
-SLOW = "Windows judge; what grows slowly, and what parameters err by that windows hardly tell, shows in whole tests alone."
+SLOW = "Windows judge; what grows slowly, and what windows hardly determine of the parameters, shows in whole tests alone."
 WHOLE_NOTE = f"Whole tests: {WHOLE}. {SLOW}"
-RUNS_AWAY = "runs away, or goes on from where it began for ever"
+RUNS_AWAY = "diverges or never forgets its initial state"
 CALIBRATED = ("parameter", "declared", "here", "95 %")
 
 
@@ -229,8 +230,8 @@ def still_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
     from hjcamp.report.exploration import channel_label
 
     return [
-        f"{channel_label(name)} keeps one value, {told(row['value'], row['unit'])}, in all tests: how it acts cannot be told from "
-        "them, and nothing that depends on it."
+        f"{channel_label(name)} keeps one value, {told(row['value'], row['unit'])}, in all tests: its effect cannot be identified "
+        "from them, nor anything that depends on it."
         for name, row in rows.items()
     ]
 
@@ -248,12 +249,14 @@ def further_off(found: Comparison) -> list[str]:
     from hjcamp.report.floor_words import worse_calibrated
 
     last, here = found.models[-1], found.calibrated
-    why = "the fit weighs what scatters more for less, this number counts all alike; use it as it stands"
+    why = "the fit gives less weight to what scatters more, this number weights all equally; use it as it stands"
     said = worse_calibrated(last.name, last.score, here.score, why)
     beside = [(here, "what is calibrated here"), *((one, one.name) for one in found.models)]
     better = [
-        f"{one.name} errs less in {sensor.quantity.replace('_', ' ')} than {label}, though its normalised error is larger: that counts "
-        "all shapes of the error in all channels alike, each by its noise; an rms is mostly its largest shape, of which a fit gives up "
+        f"{one.name} errs less in {sensor.quantity.replace('_', ' ')} than {label}, though its normalised error is "
+        "larger: that weights "
+        "all shapes of the error in all channels equally, each by its noise; an rms is mostly its largest shape, of "
+        "which a fit gives up "
         "some for the others where something is missing."
         for other, label in beside
         for k, sensor in enumerate(found.analysis.measured.sensors)
@@ -270,7 +273,7 @@ def _share(explained: float) -> str:
 
 def _error(value: float, unit: str) -> str:
     """Return an error, or that there is none."""
-    return told(value, unit) if math.isfinite(value) else "runs away"
+    return told(value, unit) if math.isfinite(value) else "diverges"
 
 
 def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]]:
@@ -297,7 +300,7 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
     floor = found.analysis.floor.of_sensors(layout)
     rows.append(
         [
-            "floor",
+            "noise floor",
             *(told(floor[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
             *("" for _ in sensors),
             "1.00",
@@ -341,7 +344,7 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
     table(console, ("effect", "parameter", "value", "95 %"), rows)
     whole, error = content["whole_tests"], content["error"]
     table(console, CHANNELS, channel_table(content["channels"], whole))
-    said = f"Normalised error on chapters left out: {error['before']:.2f} -> {error['after']:.2f}."
+    said = f"Normalised error on held-out blocks: {error['before']:.2f} -> {error['after']:.2f}."
     slow = [WHOLE_NOTE] if whole else []
     print_wrapped(console, [said, *helped(found, content), *run_away_words(content), *slow, *end_words(content["ends"])], 8)
     console.print(f"model   {path}", markup=False)
@@ -363,16 +366,16 @@ def helped(found: Addition, content: Mapping[str, Any]) -> list[str]:
         whole = content["whole_tests"].values()
         if content["runs_away"] == ["baseline"]:
             return [
-                "The error of windows does not fall by a share that matters; but over whole tests this model goes on with what was "
-                "measured, where the calibrated one does not."
+                "The error of windows does not fall by a relevant share; but over whole tests this model follows the measurement, "
+                "where the calibrated one does not."
             ]
         if any(row["augmented"]["whole_rms"] <= (1.0 - MATTERS) * row["baseline"]["whole_rms"] for row in whole):
-            return ["The error of windows does not fall by a share that matters; that of whole tests does."]
-        return ["The error does not fall by a share that matters: this model explains these tests no better."]
-    t, chapters = search.t(found.model, base)
-    how = f"not chapter by chapter (t = {t:.1f} over {chapters:.1f} chapters, {critical(chapters):.1f} needed)"
+            return ["The error of windows does not fall by a relevant share; that of whole tests does."]
+        return ["The error does not fall by a relevant share: this model explains these tests no better."]
+    t, blocks = search.t(found.model, base)
+    how = f"not block by block (t = {t:.1f} over {blocks:.1f} blocks, {critical(blocks):.1f} needed)"
     # of less than two no spread is known
-    how = how if chapters >= 2.0 else "in too few parts of the tests to be shown"
+    how = how if blocks >= 2.0 else "in too few parts of the tests to be shown"
     return [f"The error falls, but {how}: more tests would show whether this model is better."]
 
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-FITTED = ("parameter", "value", "95 %", "most like", "correlation", "")
+FITTED = ("parameter", "value", "95 %", "most correlated with", "correlation", "")
 SAID = (
     "Lines hold 68 and 95 %, in standard errors from the value above each column. Their shape is the curvature of the fit: a "
-    "correlation near 1 or -1 means that these tests hardly tell the two apart, and that each is known less well than both "
+    "correlation near 1 or -1 means that these tests hardly distinguish the two, and that each is known less well than both "
     "together. Standard errors are those of the intervals in the table: from how parts of the tests differ."
 )
 
@@ -33,7 +33,7 @@ class Estimate:
 def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[str], dict[str, str]]:
     """Return the parts of a page and the picture (by name) of fitted parameters; ``correlation`` (k, k) is of the fit.
 
-    Nothing for no parameter, no picture for one alone. More than the picture has room for: those of effects, then those most alike.
+    Nothing for no parameter, no picture for one alone. Of more than fit the picture: those of effects, then those most correlated.
     """
     from hjcamp.report import discrepancy_page as page
     from hjcamp.report.pictures.corner import MOST, draw_corner
@@ -48,7 +48,7 @@ def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[
     shown = [found[place] for place in drawn]
     values = [told_error(one.value, one.error, one.unit) for one in shown]
     picture = draw_corner([one.label for one in shown], values, correlation[np.ix_(drawn, drawn)])
-    which = f": {len(drawn)} of {len(found)}, those of effects and those most alike" if len(drawn) < len(found) else ""
+    which = f": {len(drawn)} of {len(found)}, those of effects and those most correlated" if len(drawn) < len(found) else ""
     return [*parts, page.picture(f"Fitted parameters, two by two{which}", picture), page.note(SAID)], {"corner": picture}
 
 
@@ -66,7 +66,7 @@ def known_rows(found: Sequence[Estimate], correlation: Array) -> list[list[str]]
             other = int(np.argmax(beside[place]))
             most, said = found[other].label, told_correlation(float(correlation[place, other]))
         alike = beside[place].max() > ALIKE
-        rows.append([*row, most, said, "at its bound" if one.at_bound else "hardly told apart" if alike else ""])
+        rows.append([*row, most, said, "at its bound" if one.at_bound else "hardly distinguishable" if alike else ""])
     return rows
 
 

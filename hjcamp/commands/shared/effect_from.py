@@ -16,7 +16,7 @@ ANSWER = "answer.json"
 KNOTS = 24
 TO_DO = {
     "effect": "it names {names}: hjcamp add {names} RUN --as NAME",
-    "one_of": "it leaves {names}: tests that tell them apart are named in it; then hjcamp add",
+    "one_of": "it leaves {names}: tests that distinguish them are named in it; then hjcamp add",
     "nothing_missing": "no law is missing; hjcamp effects new NAME writes a template without a curve",
     "cannot_tell": "its tests do not suffice; diagnose more or longer tests",
     "outside_library": "no law over one quantity takes what it leaves: it has no curve; hjcamp effects new NAME writes a template",
@@ -71,7 +71,9 @@ def begun_from(content: Mapping[str, Any], file: Path) -> Begun:
     try:
         return _begun(content, file)
     except (LookupError, TypeError, AttributeError, ValueError, ArithmeticError) as problem:
-        raise UsageError(f"{file}: the curve of its unknown is not whole ({type(problem).__name__}: {problem})") from None
+        raise UsageError(
+            f"{file}: the curve of its non-parametric term is not whole ({type(problem).__name__}: {problem})"
+        ) from None
 
 
 def _begun(content: Mapping[str, Any], file: Path) -> Begun:
@@ -83,7 +85,7 @@ def _begun(content: Mapping[str, Any], file: Path) -> Begun:
         verdict = str(content.get("verdict"))
         names = " ".join(str(name) for name in content.get("effects") or [])
         advice = TO_DO.get(verdict, "diagnose again").format(names=names)
-        raise UsageError(f"{file}: this diagnosis says {verdict.upper()} and holds no curve of an unknown; {advice}")
+        raise UsageError(f"{file}: this diagnosis says {verdict.upper()} and holds no curve of a non-parametric term; {advice}")
     if known.get("apart_s"):
         raise UsageError(
             f"{file}: what it found changes with time otherwise in each condition, which no law of an effect can know; "

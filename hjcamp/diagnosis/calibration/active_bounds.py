@@ -19,7 +19,7 @@ def held_away(search: Search, base: Scored) -> tuple[str, ...]:
     parameters, names = plant.parameters, set(plant.base_parameters)
     return tuple(
         one.name
-        for one in intervals(base.fitted, search.chapters)
+        for one in intervals(base.fitted, search.blocks)
         if not one.effect
         and one.name in names
         and limited({"value": one.value, "at_bound": one.at_bound, **one.row})

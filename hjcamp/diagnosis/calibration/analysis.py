@@ -28,7 +28,7 @@ from hjcamp.diagnosis.residuals.simulated import ZERO
 from hjcamp.diagnosis.residuals.windows import FARTHEST_MOVED, Windows
 from hjcamp.diagnosis.selection.forward import Search
 from hjcamp.diagnosis.selection.scored import Scored
-from hjcamp.diagnosis.validation.blocks import FEWEST, chapters_of
+from hjcamp.diagnosis.validation.blocks import FEWEST, blocks_of
 from hjcamp.errors import UsageError
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
@@ -96,8 +96,8 @@ class Analysis:
 def what_lacks(measured: Measured, layout: Layout) -> list[str]:
     """Return in words what these tests lack for a verdict; empty where nothing does."""
     found = []
-    chapters = len(np.unique(chapters_of(layout)))
-    if chapters < FEWEST or len(layout.of_test) < 3 * FEWEST:
+    blocks = len(np.unique(blocks_of(layout)))
+    if blocks < FEWEST or len(layout.of_test) < 3 * FEWEST:
         asked = (
             "repetitions share theirs, so longer tests or tests of other courses"
             if len(layout.of_test) >= 3 * FEWEST and measured.repeated
@@ -105,8 +105,8 @@ def what_lacks(measured: Measured, layout: Layout) -> list[str]:
             f"{sum(test.samples for test in measured.tests)}{_before(measured)})"
         )
         found.append(
-            f"{len(layout.of_test)} windows of {layout.width * measured.period:.4g} s in {chapters} chapters; "
-            f"{3 * FEWEST} windows in {FEWEST} chapters are needed: {asked}"
+            f"{len(layout.of_test)} windows of {layout.width * measured.period:.4g} s in {blocks} blocks; "
+            f"{3 * FEWEST} windows in {FEWEST} blocks are needed: {asked}"
         )
     if not moves(layout)[: MOTION_ORDERS * len(measured.sensors)].any():
         found.append("nothing that is measured changes in these tests by more than its noise")
@@ -163,7 +163,18 @@ def calibrated(
     layout = windows.layout
     report("calibrating", 0.1)
     search = Search(
-        windows, both, {}, chapters_of(layout), free, {}, seed, report, workers, known.forms, unnamed=unnamed, wanted=frozenset(wanted),
+        windows,
+        both,
+        {},
+        blocks_of(layout),
+        free,
+        {},
+        seed,
+        report,
+        workers,
+        known.forms,
+        unnamed=unnamed,
+        wanted=frozenset(wanted),
         declared=dict(candidate.base),
     )  # fmt: skip
     before = windows.starts.copy()
@@ -226,7 +237,7 @@ def predictable(
 def simulated_through(windows: Windows, base: Candidate, free: Sequence[Free]) -> Windows:
     """Return windows of tests that are simulated through, where tests are too short for windows as long as the plant's memory.
 
-    In shorter windows the starts take most of what the plant does. It has to forget a start within a chapter, and no loop outside
+    In shorter windows the starts take most of what the plant does. It has to forget a start within a block, and no loop outside
     its equations may hold it. The memory is that of the ``base`` fitted to these windows: one set of logs is looked at in one way,
     whatever model is asked about.
     """

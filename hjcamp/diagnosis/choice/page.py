@@ -17,7 +17,7 @@ from hjcamp.diagnosis.choice.comparison_of_models import confidence_set, nested_
 from hjcamp.diagnosis.choice.subsets import Blocks, Column, Ranked, best_settings, kept_by_blocks, pairs_of
 from hjcamp.diagnosis.screening.screening import Probe, Projection
 from hjcamp.diagnosis.selection.scored import Scored
-from hjcamp.diagnosis.validation.blocks import advantages, chance_of_t, ratio_t, told_apart
+from hjcamp.diagnosis.validation.blocks import advantages, chance_of_t, discrimination, ratio_t
 from hjcamp.model.declare.candidate import Candidate
 
 Array = NDArray[np.float64]
@@ -59,7 +59,7 @@ class Page:
         self.analysis, self.alpha, self.delta = analysis, alpha, delta
         self.search, self.base = analysis.search, analysis.base
         self.layout = analysis.windows.layout
-        self.blocks = self.search.chapters
+        self.blocks = self.search.blocks
         self.names = np.unique(self.blocks)
 
     def chosen(self) -> Chosen:
@@ -225,7 +225,7 @@ class Page:
         features, fitted = nested
         base, count = self.base, len(self.names)
         t, weight = ratio_t(
-            advantages(features, base.features, self.blocks), told_apart(fitted, base.fitted.features, self.blocks)
+            advantages(features, base.features, self.blocks), discrimination(fitted, base.fitted.features, self.blocks)
         )
         gain = (base.features**2 - features**2).reshape(len(features), len(self.excess), -1).mean(axis=2)
         each = np.array([gain[self.blocks == one].sum(axis=0) for one in self.names]) / len(features)
@@ -254,7 +254,7 @@ class Page:
             for j, other in enumerate(models):
                 if i != j:
                     advantage[i, j] = advantages(one.features, other.features, self.blocks)
-                    apart[i, j] = told_apart(one.fitted.features, other.fitted.features, self.blocks)
+                    apart[i, j] = discrimination(one.fitted.features, other.fitted.features, self.blocks)
         return [models[k] for k in confidence_set(advantage, apart, self.alpha, self.search.seed)]
 
     def level(self, model: Scored) -> int:

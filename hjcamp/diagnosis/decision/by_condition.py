@@ -24,7 +24,7 @@ MOST_TOLD = 3
 
 @dataclass(frozen=True)
 class Differs:
-    """A base fitted to each condition alone: what that leaves of chapters left out, and the parameters whose intervals lie apart.
+    """A base fitted to each condition alone: what that leaves of blocks left out, and the parameters whose intervals lie apart.
 
     ``parameters`` has the interval of each in each condition, by their names; what differs most comes first.
     """
@@ -36,13 +36,13 @@ class Differs:
 def differs_by_condition(analysis: Analysis, least: float, rival: Scored | None) -> Differs | None:
     """Return what a base for each condition takes where that is most of what is removable (error ``least``), and more than a rival.
 
-    The rival is what was found, a name or a free law. None where there is one condition, where a condition has less than two chapters,
+    The rival is what was found, a name or a free law. None where there is one condition, where a condition has less than two blocks,
     and where no parameter differs.
     """
-    base, chapters, layout = analysis.base, analysis.search.chapters, analysis.windows.layout
+    base, blocks, layout = analysis.base, analysis.search.blocks, analysis.windows.layout
     conditions = layout.measured.conditions
     rows = {name: np.isin(layout.of_test, tests) for name, tests in conditions.items()}
-    if len(conditions) < 2 or any(len(np.unique(chapters[own])) < 2 for own in rows.values()):
+    if len(conditions) < 2 or any(len(np.unique(blocks[own])) < 2 for own in rows.values()):
         return None
     shown, features, found = base.fitted.features.copy(), base.features.copy(), {}
     for name, own in rows.items():
@@ -51,8 +51,8 @@ def differs_by_condition(analysis: Analysis, least: float, rival: Scored | None)
         fitted = settled(windows, base.fitted.candidate, base.fitted.free, turns=TURNS_OF_BASE)
         if not np.isfinite(fitted.loss):
             return None
-        shown[own], features[own] = fitted.features, left_out(windows, fitted, chapters[own])
-        found[name] = {one.name: one for one in intervals(fitted, chapters[own]) if not one.effect}
+        shown[own], features[own] = fitted.features, left_out(windows, fitted, blocks[own])
+        found[name] = {one.name: one for one in intervals(fitted, blocks[own]) if not one.effect}
     each = Scored(base.names, replace(base.fitted, features=shown), features, size(features), base.place)
     takes = math.log(base.left_out / each.left_out) >= MOST_OF_IT * math.log(base.left_out / least)
     if not takes or not all(analysis.search.beats(each, other) for other in (base, rival) if other is not None):

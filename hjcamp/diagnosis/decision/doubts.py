@@ -44,11 +44,11 @@ def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
     worst = int(np.argmax(over))
     if over[worst] * (1.0 - MOST_OF_IT) <= 1.0:
         return ""
-    chance = "which is more than chance" if shown else "though the library takes no more of it than chance"
+    chance = "which is more than chance" if shown else "though the library explains no more of it than chance"
     return (
         f"{sensors[worst].quantity.replace('_', ' ')} errs by {over[worst]:.2g} times its own noise (third differences), {chance} "
-        f"(p = {p_value:.2g}), and no effect and no unknown is shown to take it{nearest}; without repetitions "
-        f"{len(analysis.windows.starts)} windows do not tell whether that is scatter or what no log tells: repeat a test"
+        f"(p = {p_value:.2g}), and no effect and no non-parametric term is shown to explain it{nearest}; without repetitions "
+        f"{len(analysis.windows.starts)} windows do not show whether that is scatter or something that no log contains: repeat a test"
     )
 
 
@@ -59,7 +59,7 @@ def doubt_of_outside(analysis: Analysis, free: Scored | None, p_value: float) ->
     as an effect remembers that takes a share in them; and where an effect takes most of the error of whole tests, more than that law.
     """
     first, model = analysis.search.steps[0], free or analysis.base
-    stands = [one.name for one in intervals(model.fitted, analysis.search.chapters) if not one.effect and one.at_bound]
+    stands = [one.name for one in intervals(model.fitted, analysis.search.blocks) if not one.effect and one.at_bound]
     held = held_by_bounds(analysis) if free is None or set(analysis.held) & set(stands) else ""
     return held or _late(analysis, p_value, model) or _too_short(analysis, first) or not_in_windows(analysis, first, free)
 
@@ -80,8 +80,9 @@ def _too_short(analysis: Analysis, first: Step) -> str:
         share = search.error_ratio(model, first.before)
         if effect.states and width < 2.0 * FORGOTTEN * longest and share <= 1.0 - MATTERS:
             return (
-                f"{name} takes {100.0 * (1.0 - share):.0f} % of the error, but windows of {width:.2g} s are only {width / longest:.2g} "
-                f"times its {longest:.2g} s and do not tell it from other laws: make longer tests"
+                f"{name} explains {100.0 * (1.0 - share):.0f} % of the error, but windows of {width:.2g} s are only "
+                f"{width / longest:.2g} "
+                f"times its {longest:.2g} s and do not distinguish it from other laws: make longer tests"
             )
     return ""
 
@@ -91,9 +92,9 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> s
 
     Not named is an effect that stands at a bound, and of which the tests tell nothing, nor what whole short tests contradict.
     """
-    rows = intervals(model.fitted, analysis.search.chapters)
+    rows = intervals(model.fitted, analysis.search.blocks)
     # of a gain whose sign is wrong next to nothing is left, of which the tests tell nothing
-    alone = intervals(analysis.base.fitted, analysis.search.chapters)
+    alone = intervals(analysis.base.fitted, analysis.search.blocks)
     lost = (not one.effect and one.at_bound and not one.told and not one.name.startswith((DELAY, ZERO)) for one in alone)
     pushed = bool(analysis.held) or any(lost)
     for name in names:
@@ -102,8 +103,9 @@ def doubt_of_names(analysis: Analysis, model: Scored, names: Sequence[str]) -> s
             not any(one.told for one in own) or (pushed and all(one.at_bound for one in own))
         ):
             return (
-                f"what is left is taken by {name} at a value that its bounds tell, not these tests: columns of the logs may be "
-                "exchanged, or a unit or a sign be wrong"
+                f"{name} was fitted at its bound, and the data do not determine it: columns of the logs may be "
+                "exchanged, or a unit or a "
+                "sign be wrong"
             )
     return names_not_borne_out(analysis, model, names) if names else ""
 
@@ -113,8 +115,9 @@ def held_by_bounds(analysis: Analysis) -> str:
     if not analysis.held:
         return ""
     return (
-        f"{analysis.held[0].replace('_', ' ')} stands at its bound, far from what is declared: these tests do not tell it, its bounds "
-        "are wrong, or it takes the place of what is missing"
+        f"{analysis.held[0].replace('_', ' ')} was driven to its bound, far from what is declared: these tests do not "
+        "determine it, its "
+        "bounds are wrong, or it absorbs the missing effect"
     )
 
 
@@ -126,26 +129,26 @@ def _without_memory(analysis: Analysis) -> str:
         [name] = model.beyond(step.before)
         took = 100.0 * (1.0 - search.error_ratio(model, step.before))
         return (
-            f"{name} takes {took:.0f} % of the error chapter by chapter, but is not shown to remember, and no law without "
-            "memory is shown to take as much: something is missing, but these tests do not tell what"
+            f"{name} explains {took:.0f} % of the error block by block, but is not shown to remember, and no law without "
+            "memory is shown to explain as much: something is missing, but these tests do not show what"
         )
     return ""
 
 
 def _late(analysis: Analysis, p_value: float, model: Scored | None = None) -> str:
     """Return in words which input's delay stands at the most that the base, or a model, may have; empty where none does."""
-    for one in intervals((model or analysis.base).fitted, analysis.search.chapters):
+    for one in intervals((model or analysis.base).fitted, analysis.search.blocks):
         if not one.effect and one.name.startswith(DELAY) and one.at_bound and one.value > 0.0:
             name = one.name.removeprefix(DELAY).replace("_", " ")
             return (
-                f"the delay of {name} stands at the most that the base may have, and what is left is more than chance "
-                f"(p = {p_value:.2g}): something later is missing, but not shown chapter by chapter"
+                f"the delay of {name} is at the largest that the base may have, and the residual exceeds chance "
+                f"(p = {p_value:.2g}): something later is missing, but not shown block by block"
             )
     return ""
 
 
 def _nearest(analysis: Analysis) -> str:
-    """Return in words which effect takes most of what matters, where one does: in too few chapters to be shown."""
+    """Return in words which effect takes most of what matters, where one does: in too few blocks to be shown."""
     search = analysis.search
     found = [(search.error_ratio(one, step.before), one, step) for step in search.steps for one in step.named]
     left, model, step = min(found, key=lambda one: one[0], default=(1.0, analysis.base, None))
@@ -154,6 +157,6 @@ def _nearest(analysis: Analysis) -> str:
     [name] = model.beyond(step.before)
     t, count = search.t(model, step.before)
     # of less than two no spread is known
-    seen = f"not chapter by chapter: t = {t:.1f}, {critical(count, step.level):.1f} needed"
+    seen = f"not block by block: t = {t:.1f}, {critical(count, step.level):.1f} needed"
     seen = seen if count >= 2.0 else "in too few parts of the tests"
     return f" ({name} would leave {100.0 * left:.0f} % of it, but {seen})"

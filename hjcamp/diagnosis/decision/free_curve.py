@@ -39,7 +39,7 @@ def curve_of(analysis: Analysis, model: Scored, name: str) -> dict[str, Any]:
 
 
 def _of_place(analysis: Analysis, model: Scored, known: Unknown, x: Array) -> tuple[Array, Array, Array]:
-    own = {one.name: one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == known.effect.name}
+    own = {one.name: one for one in intervals(model.fitted, analysis.search.blocks) if one.effect == known.effect.name}
     # a knot that was not visited is as those beside it
     seen = _seen(model, known)
     knots = np.linspace(known.low, known.high, len(known.amplitudes))[seen]
@@ -60,7 +60,7 @@ def _of_value(analysis: Analysis, model: Scored, known: Unknown, x: Array) -> tu
     The parameter itself is free as well: what no driver changes is its own, and no reading tells it from the law's. The answer gives
     it as `mean_over_knots`.
     """
-    fitted, chapters = model.fitted, analysis.search.chapters
+    fitted, blocks = model.fitted, analysis.search.blocks
     places = [k for k, one in enumerate(fitted.free) if one.effect == known.effect.name]
     scales = np.array([fitted.free[k].scale for k in places])
     at_knots = np.array([fitted.free[k].of(fitted.candidate) for k in places]) * scales
@@ -71,7 +71,7 @@ def _of_value(analysis: Analysis, model: Scored, known: Unknown, x: Array) -> tu
     step = 1e-6
     steep, steep_there = ((known.amount(h + step) - known.amount(h - step)) / (2.0 * step) for h in (along, at_knots))
     slopes = steep[:, None] * hats / mean - np.outer(values, steep_there @ knots) / (len(places) * mean**2)
-    whole = covariance_of(fitted, chapters).whole[np.ix_(places, places)] * np.outer(scales, scales)
+    whole = covariance_of(fitted, blocks).whole[np.ix_(places, places)] * np.outer(scales, scales)
     half = _reach(analysis) * np.sqrt(np.maximum(np.einsum("xk,kl,xl->x", slopes, whole, slopes), 0.0))
     share = values / mean - 1.0
     return share, share - half, share + half
@@ -94,7 +94,7 @@ def mean_over_knots(analysis: Analysis, model: Scored, known: Unknown, own: Inte
     slopes[base] = mean * (value if free[base].log else free[base].scale)
     steep = (known.amount(at_knots + step) - known.amount(at_knots - step)) / (2.0 * step)
     slopes[places] = value * (steep @ knots) * [free[k].scale for k in places] / len(places)
-    variance = float(slopes @ covariance_of(fitted, analysis.search.chapters).whole @ slopes)
+    variance = float(slopes @ covariance_of(fitted, analysis.search.blocks).whole @ slopes)
     half = _reach(analysis) * math.sqrt(max(variance, 0.0))
     return replace(own, value=value * mean, low=value * mean - half, high=value * mean + half, at_bound=False, told=True)
 
@@ -103,7 +103,7 @@ def _reach(analysis: Analysis) -> float:
     """Return how many standard deviations the half of a 95 % interval is."""
     from scipy.special import stdtrit
 
-    return float(stdtrit(max(len(np.unique(analysis.search.chapters)), 2) - 1, 1.0 - LEVEL / 2.0))
+    return float(stdtrit(max(len(np.unique(analysis.search.blocks)), 2) - 1, 1.0 - LEVEL / 2.0))
 
 
 def knots_of(analysis: Analysis, model: Scored, name: str) -> dict[str, list[float]]:

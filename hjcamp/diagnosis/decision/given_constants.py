@@ -23,7 +23,7 @@ MOST_TOLD = 3
 
 @dataclass(frozen=True)
 class Constant:
-    """A constant of the plant's file: its ``interval`` where it is fitted with the base, and what that leaves of chapters left out."""
+    """A constant of the plant's file: its ``interval`` where it is fitted with the base, and what that leaves of blocks left out."""
 
     interval: Interval
     left_out: float
@@ -44,7 +44,7 @@ def constants_otherwise(analysis: Analysis, least: float, rival: Scored | None) 
         if not np.isfinite(fitted.loss):
             continue
         model = search.scored(fitted, windows)
-        told = next(own for own in intervals(fitted, search.chapters) if own.name == one.name and not own.effect)
+        told = next(own for own in intervals(fitted, search.blocks) if own.name == one.name and not own.effect)
         takes = math.log(base.left_out / model.left_out) >= MOST_OF_IT * math.log(base.left_out / least)
         worse = rival is not None and search.beats(rival, model)
         if takes and told.told and not worse and search.beats(model, base):

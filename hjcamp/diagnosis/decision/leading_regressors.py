@@ -17,14 +17,14 @@ MOST_WINDOWS = 300
 MOST_NAMED = 3
 
 
-def leading(layout: Layout, features: Array, chapters: NDArray[np.int64], readings: Array) -> list[str]:
+def leading(layout: Layout, features: Array, blocks: NDArray[np.int64], readings: Array) -> list[str]:
     """Return up to three quantities, the one that tells most first; the last of them takes a tenth of what all take at least.
 
     A quantity is the mean, the slope or the curvature of a channel or an input in a window, or all three of them in the window before.
     """
     rows = spread_over(len(features), MOST_WINDOWS)
     groups = {name: columns[rows] for name, columns in _quantities(layout, readings).items()}
-    values, parts = (features @ whitener(features))[rows], chapters[rows]
+    values, parts = (features @ whitener(features))[rows], blocks[rows]
 
     def left(names: list[str]) -> float:
         found = regressed([np.hstack([groups[name] for name in names])], values, parts)

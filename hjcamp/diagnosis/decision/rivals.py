@@ -13,7 +13,7 @@ from hjcamp.model.declare.candidate import Candidate
 
 
 def taken(base: Scored, model: Scored) -> float:
-    """Return the logarithm of the factor by which a model makes the error of left-out chapters smaller."""
+    """Return the logarithm of the factor by which a model makes the error of left-out blocks smaller."""
     return math.log(base.left_out / model.left_out)
 
 

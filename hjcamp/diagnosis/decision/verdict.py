@@ -138,7 +138,7 @@ def _looked_at(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analy
     """Return the verdict over windows of several widths.
 
     Where no law is seen, longer windows are looked at: what acts slowly or in few places hardly shows in short ones. Tests that are
-    simulated through are looked at in windows, of which there are more chapters, also where a free law alone is shown that leaves
+    simulated through are looked at in windows, of which there are more blocks, also where a free law alone is shown that leaves
     more than a name. All of these looks, and one at parameters that are no constants, may together claim something by chance half as
     often as the first.
     Without repetitions one set of names must be what windows of half the length do not rule out; where they name another
@@ -349,7 +349,7 @@ def _left(analysis: Analysis, model: Scored, last: Step) -> Scored | None:
 
 
 def _course(analysis: Analysis, model: Scored) -> Scored | None:
-    """Return the law over time that takes most of what a model leaves, chapter by chapter.
+    """Return the law over time that takes most of what a model leaves, block by block.
 
     What drifts looks alike at any time: moved in time it promises as much, and does not stand out from chance by what it promises.
     """

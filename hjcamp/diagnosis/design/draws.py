@@ -22,14 +22,14 @@ def draws(analysis: Analysis, model: Scored, number: int, seed: int) -> list[Can
 
     .. math:: \theta \sim N(\hat\theta, V), \quad \ell(\theta) - \ell(\hat\theta) \le \max(1, \delta^T H \delta)
 
-    V is the sandwich over chapters, H the information of the fit. A draw whose loss grows by more than twice what a parabola
+    V is the sandwich over blocks, H the information of the fit. A draw whose loss grows by more than twice what a parabola
     says is drawn half as far: there the fit is not a parabola. Each draw is followed by its mirror image (antithetic pairs).
     """
     fitted, windows = model.fitted, analysis.windows
     if not fitted.free:
         return [fitted.candidate] * number
     generator = np.random.default_rng((seed, len(fitted.free), number))
-    spread, ways = np.linalg.eigh(covariance_of(fitted, analysis.search.chapters).whole)
+    spread, ways = np.linalg.eigh(covariance_of(fitted, analysis.search.blocks).whole)
     place, windows.place = windows.place, model.place
     found: list[Candidate] = []
     while len(found) < number:

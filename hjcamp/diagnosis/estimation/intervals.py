@@ -1,4 +1,4 @@
-"""Intervals of fitted parameters: chapters are the clusters of the sandwich estimator."""
+"""Intervals of fitted parameters: blocks are the clusters of the sandwich estimator."""
 
 from __future__ import annotations
 
@@ -70,20 +70,20 @@ class Covariance:
         return ~self.still & (np.diag(self.bounds) <= 0.5 * self.allowed)
 
 
-def covariance_of(fitted: Fitted, chapters: NDArray[np.int64]) -> Covariance:
+def covariance_of(fitted: Fitted, blocks: NDArray[np.int64]) -> Covariance:
     r"""Return the covariance of the free parameters.
 
     .. math:: V = \frac{C}{C - 1} B \Bigl(\sum_c g_c g_c^T\Bigr) B + B P B, \quad B = (H + P)^{-1}, \quad
               P = \mathrm{diag}\frac{12}{(x_{high} - x_{low})^2}
 
-    over chapters c (Liang & Zeger 1986, doi:10.1093/biomet/73.1.13). P is what bounds tell, as much as a uniform density
+    over blocks c (Liang & Zeger 1986, doi:10.1093/biomet/73.1.13). P is what bounds tell, as much as a uniform density
     between them: the zero of a counter is known to one step, whatever the readings say of it.
     """
     w = whitener(fitted.features)
     white, left = np.einsum("wfp,fg->wgp", fitted.slopes, w), fitted.features @ w
     pull = np.einsum("wgp,wg->wp", white, left)
-    names = np.unique(chapters)
-    clusters = np.array([pull[chapters == one].sum(axis=0) for one in names])
+    names = np.unique(blocks)
+    clusters = np.array([pull[blocks == one].sum(axis=0) for one in names])
     clusters = clusters - clusters.mean(axis=0)
     allowed = np.array([_range(one) ** 2 / 12.0 for one in fitted.free])
     known = np.diag(1.0 / allowed)
@@ -103,12 +103,12 @@ def _range(one: Free) -> float:
     return math.log(one.high / one.low) if one.log else (one.high - one.low) / one.scale
 
 
-def intervals(fitted: Fitted, chapters: NDArray[np.int64]) -> list[Interval]:
+def intervals(fitted: Fitted, blocks: NDArray[np.int64]) -> list[Interval]:
     """Return the value and confidence interval of every free parameter, by Student's t of C - 1 degrees of freedom."""
     from scipy.special import stdtrit
 
-    count = max(len(np.unique(chapters)), 2)
-    found = covariance_of(fitted, chapters)
+    count = max(len(np.unique(blocks)), 2)
+    found = covariance_of(fitted, blocks)
     spread = np.sqrt(np.maximum(np.diag(found.whole), 0.0))
     reach = float(stdtrit(count - 1, 1.0 - LEVEL / 2.0)) * spread
     rows = []

@@ -1,4 +1,4 @@
-"""Add effects to a model of a plant: fit them together with its base, and judge both on chapters that were left out."""
+"""Add effects to a model of a plant: fit them together with its base, and judge both on blocks that were left out."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Addition:
 
     @property
     def helps(self) -> bool:
-        """Whether the error falls by a share that matters, chapter by chapter."""
+        """Whether the error falls by a share that matters, block by block."""
         return self.analysis.search.matters(self.model, self.analysis.base)
 
 
@@ -62,7 +62,7 @@ def answer(found: Addition, name: str, path: str) -> dict[str, Any]:
     """Return what was added for programs."""
     least = floor_size(found.analysis)
     rows: dict[str, dict[str, Any]] = {}
-    for one in intervals(found.model.fitted, found.analysis.search.chapters):
+    for one in intervals(found.model.fitted, found.analysis.search.blocks):
         if one.effect:
             unit = found.analysis.search.library[one.effect].parameters[one.name].unit
             rows.setdefault(one.effect, {})[one.name] = {"value": one.value, "unit": unit, **one.row, "at_bound": one.at_bound}

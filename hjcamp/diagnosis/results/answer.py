@@ -76,8 +76,12 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "floor": floor_rows(analysis),
         "ends": end_rows(analysis.windows.layout),
         "still": still_rows(analysis.measured),
-        "rests_on": {"conditions": len(analysis.measured.conditions), "tests": len(analysis.measured.tests),
-                     "chapters": len(np.unique(analysis.search.chapters)), "windows": len(analysis.windows.starts)},
+        "rests_on": {
+            "conditions": len(analysis.measured.conditions),
+            "tests": len(analysis.measured.tests),
+            "chapters": len(np.unique(analysis.search.blocks)),
+            "windows": len(analysis.windows.starts),
+        },
         "twice": [list(pair) for pair in analysis.measured.twice],
         "short": [list(pair) for pair in analysis.measured.short],
         "lacking": list(verdict.lacking),
@@ -131,7 +135,7 @@ def _leading(analysis: Analysis, verdict: Verdict) -> list[str]:
     search, base = analysis.search, analysis.base
     if not verdict.follows:
         return []
-    return leading(search.windows.layout, base.features, search.chapters, search.predicted(base))
+    return leading(search.windows.layout, base.features, search.blocks, search.predicted(base))
 
 
 def _beside_law(analysis: Analysis, verdict: Verdict) -> float:
@@ -266,7 +270,7 @@ def calibration(analysis: Analysis, model: Scored | None = None) -> dict[str, di
     forms = {name: analysis.search.library[name] for name in analysis.base.names if name not in had}
     laws = [analysis.search.unknowns[name] for name in (model or analysis.base).names if name in analysis.search.unknowns]
     values = {one.place: one for one in laws if one.quantity == "value"}
-    for one in intervals((model or analysis.base).fitted, analysis.search.chapters):
+    for one in intervals((model or analysis.base).fitted, analysis.search.blocks):
         if model and not one.effect and one.name in values:
             one = mean_over_knots(analysis, model, values[one.name], one)
         if one.effect in forms and one.name == forms[one.effect].granted:
@@ -347,7 +351,7 @@ def asked_candidates(analysis: Analysis, verdict: Verdict, names: Sequence[str])
 
 def _candidate(analysis: Analysis, verdict: Verdict, name: str, model: Scored, step: Step, named: bool) -> dict[str, Any]:
     effect = analysis.search.library[name]
-    found = [one for one in intervals(model.fitted, analysis.search.chapters) if one.effect == name]
+    found = [one for one in intervals(model.fitted, analysis.search.blocks) if one.effect == name]
     t, count = analysis.search.t(model, step.before)
     weight = _weight(t, count) if not named else 1.0
     parameters = {one.name: _row(one, effect.parameters[one.name].unit) for one in found}
@@ -376,9 +380,9 @@ def _law_left(analysis: Analysis, verdict: Verdict, model: Scored) -> float | No
     return float(np.clip(1.0 - taken / most, 0.0, 1.0)) if most > 0.0 else None
 
 
-def _weight(t: float, chapters: float) -> float:
+def _weight(t: float, blocks: float) -> float:
     """Return the probability of Student's t below the comparison: 0 where a model is clearly no better than without."""
-    return max(0.0, 1.0 - 2.0 * chance_of_t(t, chapters))
+    return max(0.0, 1.0 - 2.0 * chance_of_t(t, blocks))
 
 
 def _row(one: Interval, unit: str) -> dict[str, Any]:
@@ -413,7 +417,7 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
             "signal": known.signal,
             "slots": list(known.effect.terms),
             "apart_s": known.apart,
-            "gain": float(advantages(one.features, reference.features, search.chapters).sum()),
+            "gain": float(advantages(one.features, reference.features, search.blocks).sum()),
             "ruled_out": place > 0 and not (search.matters(one, reference) and not search.ruled_out(one, verdict.unknown)),
         }
         if place == 0:
@@ -426,7 +430,7 @@ def unknown_rows(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
 
 
 def removed(analysis: Analysis, model: Scored) -> float:
-    """Return the share of the removable error (above the floor) that a model removes on chapters left out."""
+    """Return the share of the removable error (above the floor) that a model removes on held-out blocks."""
     least = floor_size(analysis)
     above = np.log(max(analysis.base.left_out / least, 1.0 + 1e-12))
     return float(np.clip(np.log(analysis.base.left_out / model.left_out) / above, -1.0, 1.0))

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 
 def rms_ratio(analysis: Analysis, model: Scored, before: Scored) -> float:
-    """Return what a model leaves of another's whole rms on chapters left out, in the sensor in which it takes most."""
+    """Return what a model leaves of another's whole rms on held-out blocks, in the sensor in which it takes most."""
     squares = [analysis.search.squares(one.features) for one in (model, before)]
     return float(np.min(unknown_repeatability(len(squares[0])).left(*squares)))
 
 
 def left_above(analysis: Analysis, model: Scored, before: Scored) -> float | None:
-    """Return what a model leaves of another's rms above the floor on chapters left out, in the sensor in which it takes most.
+    """Return what a model leaves of another's rms above the floor on held-out blocks, in the sensor in which it takes most.
 
     None where the other lies above the floor by no more than is known of that.
     """

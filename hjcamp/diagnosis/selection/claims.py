@@ -16,7 +16,7 @@ from hjcamp.diagnosis.estimation.likelihood import size
 from hjcamp.diagnosis.levels import LEVEL, MATTERS, SCATTER
 from hjcamp.diagnosis.selection.fits import Fits
 from hjcamp.diagnosis.selection.scored import Follows, Scored
-from hjcamp.diagnosis.validation.blocks import advantages, critical, ratio_t, told_apart
+from hjcamp.diagnosis.validation.blocks import advantages, critical, discrimination, ratio_t
 from hjcamp.diagnosis.validation.kernel_regression import regression_of
 
 Array = NDArray[np.float64]
@@ -38,11 +38,11 @@ class Claims(Fits):
     repeatability: Repeatability | None = None
 
     def matters(self, model: Scored, before: Scored, level: float = LEVEL) -> bool:
-        """Whether a model takes a share of the error that matters, does so chapter by chapter, and by what is shown."""
+        """Whether a model takes a share of the error that matters, does so block by block, and by what is shown."""
         return self.takes_a_share(model, before, level) and not self.of_no_memory(model, before)
 
     def takes_a_share(self, model: Scored, before: Scored, level: float = LEVEL) -> bool:
-        """Whether a model takes a share of the error that matters, chapter by chapter, that every contact's scatter does not."""
+        """Whether a model takes a share of the error that matters, block by block, that every contact's scatter does not."""
         if not self.beats(model, before, level) or self.error_ratio(model, before) > 1.0 - MATTERS:
             return False
         return not self.only_scatter(model, before)
@@ -54,7 +54,7 @@ class Claims(Fits):
         """
         effects = (name for name in model.beyond(before) if name in self.library)
         times = {(name, key): ends for name in effects for key, ends in times_remembered(self.library[name]).items()}
-        rows = intervals(model.fitted, self.chapters) if times else []
+        rows = intervals(model.fitted, self.blocks) if times else []
         remembered = ((one, times[one.effect, one.name]) for one in rows if (one.effect, one.name) in times)
         return any(memory_end((one.low, one.high), bounds, self.shortest_memory) for one, bounds in remembered)
 
@@ -84,7 +84,7 @@ class Claims(Fits):
         return np.asarray(most - usual)
 
     def error_ratio(self, model: Scored, before: Scored) -> float:
-        """Return what a model leaves, chapters left out, of another's error above repeatability, where it takes most (`share_left`)."""
+        """Return what a model leaves, blocks left out, of another's error above repeatability, where it takes most (`share_left`)."""
         return self.share_left(model.features, before.features)
 
     def share_left(self, one: Array, other: Array) -> float:
@@ -100,7 +100,7 @@ class Claims(Fits):
         return mean_squares(features, len(self.windows.layout.measured.sensors))
 
     def ruled_out(self, rival: Scored, model: Scored) -> bool:
-        """Whether a model beats a rival, and the rival errs more (rms, on chapters left out) in some sensor.
+        """Whether a model beats a rival, and the rival errs more (rms, on held-out blocks) in some sensor.
 
         A rival that errs less in each loses by the scores alone: by windows whose starts it knows less well, such as those of a lag
         behind a sensor, which on a linear plant does the same as one of its drive.
@@ -112,7 +112,7 @@ class Claims(Fits):
     def follows_motion(self, model: Scored) -> Follows:
         """Return how much of what a model leaves follows from the motion, by whatever law; nothing where none is shown to.
 
-        It is shown where a regression predicts chapters left out better at the level of all claims, by a share that matters,
+        It is shown where a regression predicts blocks left out better at the level of all claims, by a share that matters,
         and by more than friction that differs as every contact's does: on the motion as it was measured and as it is predicted.
         Readings have the noise that is left of a model, predictions that of their starts; what both tell is no noise.
         """
@@ -123,10 +123,10 @@ class Claims(Fits):
 
     def _follows(self, model: Scored, readings: Array) -> Follows:
         """Return how much of what a model leaves follows from the motion that readings (n, sensors) describe."""
-        found = regression_of(self.windows.layout, model.features, self.chapters, readings)
-        before, chapters = model.features[found.rows], self.chapters[found.rows]
-        apart = told_apart(found.features, before, chapters)
-        t, count = ratio_t(advantages(found.features, before, chapters), apart)
+        found = regression_of(self.windows.layout, model.features, self.blocks, readings)
+        before, blocks = model.features[found.rows], self.blocks[found.rows]
+        apart = discrimination(found.features, before, blocks)
+        t, count = ratio_t(advantages(found.features, before, blocks), apart)
         left, nothing = self.share_left(found.features, before), Follows(0.0, 0.0)
         if t <= critical(count, self.claims) or left > 1.0 - MATTERS:
             return nothing
@@ -142,18 +142,16 @@ class Claims(Fits):
         return np.where(np.isfinite(found), found, self.windows.layout.readings)
 
     def beats(self, model: Scored, other: Scored, level: float = LEVEL) -> bool:
-        """Whether a model is better on chapters that it does not know, at a level, and by more than a fit leaves to be gained.
+        """Whether a model is better on blocks that it does not know, at a level, and by more than a fit leaves to be gained.
 
-        Two laws that do the same differ by where their fits ended, in each chapter by next to nothing.
+        Two laws that do the same differ by where their fits ended, in each block by next to nothing.
         """
         if not math.isfinite(model.left_out) or not math.isfinite(other.left_out):
             return math.isfinite(model.left_out)
-        t, chapters = self.t(model, other)
-        return (
-            t > critical(chapters, level) and float(np.sum(advantages(model.features, other.features, self.chapters))) > SETTLED
-        )
+        t, blocks = self.t(model, other)
+        return t > critical(blocks, level) and float(np.sum(advantages(model.features, other.features, self.blocks))) > SETTLED
 
     def t(self, model: Scored, other: Scored) -> tuple[float, float]:
-        """Return Student's t of a model's advantage over another, and the number of chapters that it stands on."""
-        found = advantages(model.features, other.features, self.chapters)
-        return ratio_t(found, told_apart(model.fitted.features, other.fitted.features, self.chapters))
+        """Return Student's t of a model's advantage over another, and the number of blocks that it stands on."""
+        found = advantages(model.features, other.features, self.blocks)
+        return ratio_t(found, discrimination(model.fitted.features, other.fitted.features, self.blocks))

@@ -1,4 +1,4 @@
-"""Models of a search as they are fitted: from where each begins, and what it leaves of chapters that it does not know."""
+"""Models of a search as they are fitted: from where each begins, and what it leaves of blocks that it does not know."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ Found = TypeVar("Found")
 
 @dataclass
 class Fits:
-    """What fitting needs: the windows, the effects that may be missing, the unknowns, the chapters, the base's parameters.
+    """What fitting needs: the windows, the effects that may be missing, the unknowns, the blocks, the base's parameters.
 
     ``declared`` are the base's parameters before they were fitted, and ``first`` where windows began then; ``begins`` say where
     effects begin as well.
@@ -54,7 +54,7 @@ class Fits:
     windows: Windows
     library: Mapping[str, type[Effect]]
     unknowns: Mapping[str, Unknown]
-    chapters: NDArray[np.int64]
+    blocks: NDArray[np.int64]
     base_free: Sequence[Free]
     ranges: Mapping[str, Range]
     seed: int = 1
@@ -66,11 +66,11 @@ class Fits:
     _beside: tuple[Fitted, Beside] | None = None
 
     def scored(self, fitted: Fitted, windows: Windows | None = None) -> Scored:
-        """Return a fit with what it leaves of chapters that it does not know, over windows that begin where it has them."""
+        """Return a fit with what it leaves of blocks that it does not know, over windows that begin where it has them."""
         names, windows = tuple(fitted.candidate.effects), windows or self.windows
         if not np.isfinite(fitted.loss):
             return Scored(names, fitted, fitted.features, math.inf, windows.place)
-        features = left_out(windows, fitted, self.chapters)
+        features = left_out(windows, fitted, self.blocks)
         return Scored(names, fitted, features, size(features), windows.place)
 
     def each(self, work: Callable[[Given], Found], given: Sequence[Given], words: Callable[[Given], str]) -> list[Found]:
@@ -142,7 +142,7 @@ class Fits:
         return copy.copy(self.windows)
 
     def to_the_end(self, model: Scored) -> Scored:
-        """Return a model fitted on with its windows' starts moved along, a few times while it leaves less of chapters left out."""
+        """Return a model fitted on with its windows' starts moved along, a few times while it leaves less of blocks left out."""
         for _ in range(TURNS):
             own = copy.copy(self.windows)
             own.place = model.place

@@ -120,11 +120,11 @@ class Search(Claims):
     def drifts(self) -> dict[str, Unknown]:
         """Return the laws over time with a course of its own in each condition, by name.
 
-        A course has half as many pieces as its condition has chapters: of fewer than two no chapter tells of another one.
+        A course has half as many pieces as its condition has blocks: of fewer than two no block tells of another one.
         """
         layout = self.windows.layout
         conditions = len(layout.measured.conditions)
-        pieces = len(np.unique(self.chapters)) // conditions // 2
+        pieces = len(np.unique(self.blocks)) // conditions // 2
         if conditions < 2 or pieces < 2:
             return {}
         return courses_of_each(layout.measured.plant, conditions, pieces + 1, float(layout.time.max()), self.ranges)
@@ -170,7 +170,7 @@ class Search(Claims):
             model, step = self.by_another_lag(model, added, step)
             if step.p_value > self.claims or not step.named:
                 break
-            # the one that leaves least need not be one that is shown chapter by chapter
+            # the one that leaves least need not be one that is shown block by block
             shown = (one for one in step.named if self.matters(one, model, step.level))
             best = next(shown, None)
             best = self.beside_another(best, model, step) or best or self.better_than_free_laws(model, step)
@@ -326,7 +326,7 @@ class Search(Claims):
     def beside_free_law(self, before: Scored, step: Step) -> Scored | None:
         """Return a model of the step with an effect that matters beside a free law, which matters beside it, and both more than none.
 
-        Where two things are missing, each alone leaves so much that it hardly stands out chapter by chapter.
+        Where two things are missing, each alone leaves so much that it hardly stands out block by block.
         """
         found = [one for one in step.named if self.error_ratio(one, before) <= 1.0 - MATTERS]
         level = self.claims / max(FITTED_UNKNOWNS * len(found), 1)

@@ -1,4 +1,4 @@
-"""What a search finds: fitted models with what they leave of chapters left out, and one look at what is missing beside a model."""
+"""What a search finds: fitted models with what they leave of blocks left out, and one look at what is missing beside a model."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Scored:
-    """A fitted model with what it was made of, and its features (windows, d) on chapters left out, with their size.
+    """A fitted model with what it was made of, and its features (windows, d) on held-out blocks, with their size.
 
     ``place`` is where the windows begin for it. Two are equal where they are one.
     """

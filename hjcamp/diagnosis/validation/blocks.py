@@ -1,4 +1,4 @@
-"""Chapters: parts of the tests that are left out by turns, the unit in which two models are compared."""
+"""Blocks: parts of the tests that are left out by turns, the unit in which two models are compared."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ MOST = 16
 SHARES = (1.0, 0.5, 0.25)
 
 
-def chapters_of(layout: Layout) -> NDArray[np.int64]:
-    """Return the chapter of each window (windows,): equal parts of each condition, its repetitions together.
+def blocks_of(layout: Layout) -> NDArray[np.int64]:
+    """Return the block of each window (windows,): equal parts of each condition, its repetitions together.
 
     Repetitions share what a condition has of its own: apart, they would pass for independent. Where tests are simulated through
-    no chapter is shorter than the plant's memory.
+    no block is shorter than the plant's memory.
     """
     measured, of_test = layout.measured, layout.of_test
     conditions = list(measured.conditions)
@@ -39,10 +39,10 @@ def chapters_of(layout: Layout) -> NDArray[np.int64]:
     return found
 
 
-def left_out(windows: Windows, fitted: Fitted, chapters: NDArray[np.int64]) -> Array:
-    """Return the features (windows, d) of each chapter by the fit of the others.
+def left_out(windows: Windows, fitted: Fitted, blocks: NDArray[np.int64]) -> Array:
+    """Return the features (windows, d) of each block by the fit of the others.
 
-    The parameters without a chapter are one Gauss-Newton step of the others' loss from those of all (approximate cross-validation;
+    The parameters without a block are one Gauss-Newton step of the others' loss from those of all (approximate cross-validation;
     Beirami et al. 2017), a shorter one where the whole makes that loss larger; what they predict is simulated.
     """
     w = whitener(fitted.features)
@@ -53,11 +53,11 @@ def left_out(windows: Windows, fitted: Fitted, chapters: NDArray[np.int64]) -> A
     features = fitted.features.copy()
     if not fitted.free:
         return features
-    # where the fit has not ended, each fit without a chapter has as far to go
+    # where the fit has not ended, each fit without a block has as far to go
     room = room_of(fitted.free, fitted.candidate)
     ahead = bounded_step(whole, -pull.sum(axis=0) - known, *room)
-    for chapter in np.unique(chapters):
-        out = chapters == chapter
+    for block in np.unique(blocks):
+        out = blocks == block
         step = bounded_step(whole - each[out].sum(axis=0), -pull[~out].sum(axis=0) - known, *room) - ahead
         least = whole_loss(fitted.features[~out], fitted.candidate, fitted.free)
         for share in SHARES:
@@ -70,8 +70,8 @@ def left_out(windows: Windows, fitted: Fitted, chapters: NDArray[np.int64]) -> A
     return features
 
 
-def advantages(one: Array, other: Array, chapters: NDArray[np.int64]) -> Array:
-    r"""Return by how much features ``one`` (windows, d) are better than ``other`` in each chapter (chapters,).
+def advantages(one: Array, other: Array, blocks: NDArray[np.int64]) -> Array:
+    r"""Return by how much features ``one`` (windows, d) are better than ``other`` in each block (blocks,).
 
     .. math:: a_c = \sum_{w \in c} \tfrac{d}{2} \log \frac{d + g_w^T M^{-1} g_w}{d + f_w^T M^{-1} f_w}
 
@@ -82,11 +82,11 @@ def advantages(one: Array, other: Array, chapters: NDArray[np.int64]) -> Array:
     inverse = np.linalg.inv(0.5 * (covariance(one) + covariance(other)))
     squares = [np.einsum("wi,ij,wj->w", f, inverse, f) for f in (one, other)]
     gains = 0.5 * d * np.log((d + squares[1]) / (d + squares[0]))
-    return np.array([gains[chapters == chapter].sum() for chapter in np.unique(chapters)])
+    return np.array([gains[blocks == block].sum() for block in np.unique(blocks)])
 
 
-def told_apart(one: Array, other: Array, chapters: NDArray[np.int64]) -> Array:
-    r"""Return how much each chapter (chapters,) would speak for either model against the other, were it right.
+def discrimination(one: Array, other: Array, blocks: NDArray[np.int64]) -> Array:
+    r"""Return how much each block (blocks,) would speak for either model against the other, were it right.
 
     .. math:: e_c = \sum_{w \in c} \tfrac{d}{2} \log\Bigl(1 + \frac{\Delta_w^T M^{-1} \Delta_w}{2 d}\Bigr), \quad \Delta_w = g_w - f_w
 
@@ -95,16 +95,16 @@ def told_apart(one: Array, other: Array, chapters: NDArray[np.int64]) -> Array:
     d, apart = one.shape[1], other - one
     inverse = np.linalg.inv(0.5 * (covariance(one) + covariance(other)))
     each = 0.5 * d * np.log1p(np.einsum("wi,ij,wj->w", apart, inverse, apart) / (2.0 * d))
-    return np.array([each[chapters == chapter].sum() for chapter in np.unique(chapters)])
+    return np.array([each[blocks == block].sum() for block in np.unique(blocks)])
 
 
 def ratio_t(values: Array, weights: Array) -> tuple[float, float]:
-    r"""Return Student's t of the ratio of ``values`` to ``weights`` (chapters,), and the number of chapters that it stands on.
+    r"""Return Student's t of the ratio of ``values`` to ``weights`` (blocks,), and the number of blocks that it stands on.
 
     .. math:: b = \frac{\sum a_c}{\sum e_c}, \quad s^2 = \sum \Bigl(\frac{a_c - b\,e_c}{\sum e - e_c}\Bigr)^2, \quad t = \frac{b}{s},
               \quad n = \frac{(\sum e_c)^2}{\sum e_c^2}
 
-    An advantage grows with what the chapter tells two models apart by: one in which both say the same speaks neither for nor
+    An advantage grows with what the block tells two models apart by: one in which both say the same speaks neither for nor
     against. The spread is the jackknife's (Cochran 1977, Sampling Techniques, sections 6.3 and 6.16).
     """
     whole = float(weights.sum())
@@ -117,15 +117,15 @@ def ratio_t(values: Array, weights: Array) -> tuple[float, float]:
     return (share / spread if spread > 0.0 else math.copysign(math.inf, share) if share else 0.0), count
 
 
-def critical(chapters: float, level: float = LEVEL) -> float:
-    """Return the one-sided critical value of Student's t over a number of chapters at a level."""
+def critical(blocks: float, level: float = LEVEL) -> float:
+    """Return the one-sided critical value of Student's t over a number of blocks at a level."""
     from scipy.special import stdtrit
 
-    return float(stdtrit(chapters - 1.0, 1.0 - level)) if chapters > 1.0 + 1e-9 else math.inf
+    return float(stdtrit(blocks - 1.0, 1.0 - level)) if blocks > 1.0 + 1e-9 else math.inf
 
 
-def chance_of_t(t: float, chapters: float) -> float:
-    """Return how often Student's t over a number of chapters is as large by chance."""
+def chance_of_t(t: float, blocks: float) -> float:
+    """Return how often Student's t over a number of blocks is as large by chance."""
     from scipy.special import stdtr
 
-    return float(stdtr(max(chapters - 1.0, 1.0), -t))
+    return float(stdtr(max(blocks - 1.0, 1.0), -t))

@@ -3,7 +3,7 @@ r"""How much of what a model leaves follows from what was measured, by whatever 
 .. math:: \hat f(x) = k(x)^T (K + \lambda I)^{-1} F, \quad k(x, x') = e^{-|x - x'|^2 / 2 \ell^2} + x^T x' + 1
 
 for windows with features F and motion x (Rasmussen & Williams 2006, Gaussian Processes for Machine Learning, section 2.2). Each
-chapter is predicted from the others. What is predicted so is no noise, and no law of one driver need describe it: a force that
+block is predicted from the others. What is predicted so is no noise, and no law of one driver need describe it: a force that
 depends on two quantities, a memory.
 """
 
@@ -20,7 +20,7 @@ from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.estimation.likelihood import whitener
 
 Array = NDArray[np.float64]
-# In spreads of the motion; the other chapters choose among these.
+# In spreads of the motion; the other blocks choose among these.
 LENGTHS = (0.5, 1.0, 2.0, 4.0)
 RIDGES = np.logspace(-2.0, 3.0, 8)
 # Of more windows, so many are looked at, evenly spread.
@@ -29,18 +29,18 @@ MOST_WINDOWS = 1000
 
 @dataclass(frozen=True)
 class Regression:
-    """Features (windows, d) that a regression on the motion leaves of chapters left out, at ``rows`` (windows,) of all windows."""
+    """Features (windows, d) that a regression on the motion leaves of blocks left out, at ``rows`` (windows,) of all windows."""
 
     rows: NDArray[np.int64]
     features: Array
 
 
-def regression_of(layout: Layout, features: Array, chapters: NDArray[np.int64], readings: Array) -> Regression:
+def regression_of(layout: Layout, features: Array, blocks: NDArray[np.int64], readings: Array) -> Regression:
     """Return what a regression of features (windows, d) on the windows' motion, with and without the one before, leaves."""
     rows = spread_over(len(features), MOST_WINDOWS)
     motion, white = motion_of(layout, readings)[:, moves(layout)], whitener(features)
     described = [motion[rows], with_before(layout, motion)[rows]]
-    left = regressed(described, (features @ white)[rows], chapters[rows])
+    left = regressed(described, (features @ white)[rows], blocks[rows])
     return Regression(rows, left @ np.linalg.inv(white))
 
 

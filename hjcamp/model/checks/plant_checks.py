@@ -222,7 +222,7 @@ def other_period(plant: type[Plant], period: float) -> str:
     asked = f" (is the unit of time_s {fits[0]}?)" if fits else ""
     return (
         f"plant {plant.name}: the logs have one sample each {period:g} s, the plant says {plant.period:g} s{asked}: they are "
-        f"analysed as they are; write 'period = {period:g}' beside its parameters, so that it is simulated alike"
+        f"analysed as they are; write 'period = {period:g}' in addition to its parameters, so that it is simulated the same"
     )
 
 

@@ -66,7 +66,7 @@ def _temporary_folder() -> Path:
 @functools.cache
 def say_once(problem: str) -> None:
     """Say on standard error, once, why compiled kernels are not kept."""
-    print(f"hjcamp: {problem}; kernels are compiled anew in this call", file=sys.stderr)
+    print(f"hjcamp: {problem}; kernels are compiled again in this call", file=sys.stderr)
 
 
 def kernel_name(source: str) -> str:

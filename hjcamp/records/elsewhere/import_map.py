@@ -196,7 +196,7 @@ def example_map(plant: type[Plant]) -> str:
         text = f"  {'' if needed else '# '}{known.name}: {{column: {known.name}, unit: {_quoted(known.unit)}}}"
         lines.append(f"{text}  # {meaning}" if meaning else text)
     lines += [
-        "# scale, offset and sign beside unit: sign * (scale * column + offset)",
+        "# scale, offset and sign in addition to unit: sign * (scale * column + offset)",
         "metadata:",
         '  condition: "{file}"',
     ]
@@ -275,7 +275,7 @@ def _metadata(content: Any, place: str, where: str) -> dict[str, str]:
     found = {str(key): str(value) for key, value in content.items() if value is not None}
     for key in (PLANT_KEY, PERIOD_KEY):
         if key in found:
-            raise UsageError(f"{where}: {place}: {key} is written by the import; give it beside fields, as '{key}: ...'")
+            raise UsageError(f"{where}: {place}: {key} is written by the import; give it next to fields, as '{key}: ...'")
     return found
 
 

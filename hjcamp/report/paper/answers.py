@@ -61,7 +61,7 @@ def _comparison(answer: Mapping[str, Any], name: str) -> Sheet:
             told = [plain(error[key]) if error and error.get(key) is not None else NO_TEST for key in ("rms", "floor")]
             score = "" if one["score"] is None else f"{one['score']:.2f}"
             rows.append([one["name"], _with_unit(channel), *told, score])
-    headers = ["model", "channel", "rms error", "floor", "error over floor"]
+    headers = ["model", "channel", "rms error", "noise floor", "error over noise floor"]
     return plain_sheet(name, "Errors of the models on the same tests", headers, rows, ["In the unit of each channel."])
 
 

@@ -185,7 +185,7 @@ def draw_gains(chance: Array, gain: float | None, what: str, unit: str = "log-li
         axis.set_yticks([])
         axis.set_ylim(-1.0, 1.6)
         dress(axis, "")
-        axis.set_title("the best gain beside chance", color=INK, fontsize=9, loc="left")
+        axis.set_title("the best gain and chance", color=INK, fontsize=9, loc="left")
         axis.set_xlabel(f"largest gain of the library ({unit})", color=INK, fontsize=8.5)
         axis.legend(fontsize=7.5, frameon=False, loc="upper center", ncols=2)
 

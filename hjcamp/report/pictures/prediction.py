@@ -36,7 +36,7 @@ def draw_windows(
 ) -> str:
     """Return a stretch of one channel: measured and predicted above, residuals below; gaps at the windows' ``edges``."""
     colours = itertools.cycle(itertools.product(("-", "--", ":"), MODELS))
-    # of a model that runs away no more is drawn than shows what was measured
+    # of a model that diverges no more is drawn than shows what was measured
     most = FARTHEST * float(np.ptp(measured)) or np.inf
     left_over = [np.clip(values - measured, -most, most) for _, values in models]
     label, scaled = readable(name, unit, measured, *(measured + one for one in left_over))
@@ -68,9 +68,9 @@ def draw_model_bars(quantity: str, unit: str, rows: Sequence[tuple[str, float]],
         names = [name for name, _ in rows][::-1]
         colours = list(itertools.islice(itertools.cycle(MODELS), len(rows)))
         drawn = axis.barh(names, np.where(np.isfinite(bars), bars, 0.0)[::-1], color=colours[::-1], height=0.6)
-        axis.bar_label(drawn, ["" if np.isfinite(one) else "runs away" for one in bars[::-1]], padding=6, fontsize=8, color=INK)
+        axis.bar_label(drawn, ["" if np.isfinite(one) else "diverges" for one in bars[::-1]], padding=6, fontsize=8, color=INK)
         axis.axvline(line[0], color=INK, linewidth=0.9, linestyle="--")
-        axis.text(line[0], len(rows) - 0.45, " floor", fontsize=8, color=INK)
+        axis.text(line[0], len(rows) - 0.45, " noise floor", fontsize=8, color=INK)
         dress(axis, "")
         axis.set_xlabel(label, color=INK, fontsize=8.5)
 

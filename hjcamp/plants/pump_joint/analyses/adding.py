@@ -45,7 +45,7 @@ def add(data: Data, names: Sequence[str], name: str, model: str = "published", r
 def comment_of(model: str, found: Addition) -> list[str]:
     """Return the first lines of the model's file."""
     parts = " + ".join([model, "calibration", *found.effects])
-    times = "x floor" if found.scale.repeated else "x spread of the measurement"
+    times = "x noise floor" if found.scale.repeated else "x spread of the measurement"
     told = (found.start, found.before, found.after)
     errors = f"{' -> '.join(f'{one.score:.2f}' for one in told)} {times}"
     return [

@@ -48,7 +48,7 @@ def _print(console: Console, found: Addition, path: Path, model: str, name: str,
     parts = [f"{effect} ({parameters_told(rows)})" for effect, rows in found.effects.items()]
     console.print(f"{path}  = {model} + calibration + {' + '.join(parts)}", markup=False)
     if not repeated:
-        console.print("  exploratory: no test was repeated, so there is no floor to compare with", style="yellow")
+        console.print("  exploratory: no test was repeated, so repeatability is unknown", style="yellow")
     count = len(found.fold.held_out)
     apart = not set(found.fold.held_out) & set(found.fold.train)
     console.print(
@@ -57,7 +57,7 @@ def _print(console: Console, found: Addition, path: Path, model: str, name: str,
     told = [(model, found.start), ("calibrated", found.before), (name, found.after)]
     print_errors(console, told, found.scale)
     bars = [(text, one.score) for text, one in told if math.isfinite(one.score)]
-    bars += [("floor", 1.0)] if found.scale.repeated else []
+    bars += [("noise floor", 1.0)] if found.scale.repeated else []
     longest, width = max([value for _, value in bars], default=1.0), max([len(text) for text, _ in bars], default=0)
     console.print(f"  {over(found.scale)}", style="dim", markup=False)
     for text, value in bars:
@@ -70,15 +70,15 @@ def helps_told(found: Addition) -> str:
     names, (mean, error) = " and ".join(found.effects), found.fall
     count = len(found.before.each)
     if not math.isfinite(mean):
-        return f"{names}: nothing tells whether it helps; a model runs away on the tests that were not used."
-    unit = "floors" if found.scale.repeated else "of the measurement's spread"
-    falls = f"{'falls' if mean > 0 else 'rises'} by {abs(mean):.2g} {unit}"
+        return f"{names}: unknown whether it helps; a model diverges on the held-out tests."
+    what = "normalised error" if found.scale.repeated else "error over the spread of the measurement"
+    falls = f"{what} {'falls' if mean > 0 else 'rises'} by {abs(mean):.2g}"
     if count < 2:
-        return f"{names}: the error {falls} on one test, whose scatter nothing tells."
-    judged = f"the error of the {counted(count, 'test')}, each on its own, {falls} on average"
+        return f"{names}: {falls} on one test, whose scatter is unknown."
+    judged = f"{falls} ± {error:.2g} ({counted(count, 'test')}, mean and its standard error)"
     if found.helps:
-        return f"{names} helps: {judged}, by more than the standard error of that ({error:.2g})."
+        return f"{names} helps: {judged}."
     return (
-        f"{names} DOES NOT HELP on these tests: {judged} (standard error {error:.2g}). "
+        f"{names} DOES NOT HELP on these tests: {judged}. "
         "The model was saved all the same; leave the effect out unless other tests show it."
     )

@@ -62,7 +62,7 @@ def _print(console: Console, found: Comparison, files: list[Path]) -> None:
     count = f"{counted(len(evidence.tests), 'test')}, {counted(len(evidence.conditions), 'condition')}"
     console.print(f"{count}, replay driven by the measured pump")
     if not evidence.repeated:
-        console.print("  exploratory: no test was repeated, so there is no floor to compare with", style="yellow")
+        console.print("  exploratory: no test was repeated, so repeatability is unknown", style="yellow")
     for one in models:
         console.print(one.replay.name, style="bold", markup=False, highlight=False)
         _table(console, one)
@@ -78,7 +78,7 @@ def _print(console: Console, found: Comparison, files: list[Path]) -> None:
         _say(console, places_in_words(last))
     if last.horizon.born:
         early, late = (1e3 * one for one in last.horizon.born)
-        console.print(f"         error against horizon: born between {early:.0f} and {late:.0f} ms after a restart")
+        console.print(f"         error against horizon: grows within the first {early:.0f} to {late:.0f} ms of prediction")
     console.print(f"figures  {'  '.join(str(file) for file in files[:-1])}", markup=False)
     console.print(f"page     {files[-1]}", markup=False)
 

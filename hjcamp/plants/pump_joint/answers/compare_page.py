@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.figures.discrepancy import Overlay
 
 NOT_CALIBRATED = "not calibrated on these tests: friction and stiffness of another specimen count here"
-FITTED_TO = "what is fitted are short windows, pressures and forces, what is told here are whole tests; use it as it stands"
-HEADINGS = ("model", "channel", "error", "floor", "error / floor", "r2")
+FITTED_TO = "the fit looks at short windows, pressures and forces, this number at whole tests; use it as it stands"
+HEADINGS = ("model", "channel", "error", "noise floor", "error / noise floor", "r2")
 
 
 def error_cells(one: Compared, name: str) -> list[str]:
-    """Return the cells of one channel of one model: what it is, error, floor, error over floor, r2."""
+    """Return the cells of one channel of one model: what it is, error, floor, error over noise floor, r2."""
     from hjcamp.report.units import label
 
     error = one.errors[name]
@@ -78,7 +78,7 @@ def write_pictures(found: Comparison, folder: Path, following: Sequence[str] = (
     shown = [*models, calibrated] if calibrated else models
     curves = [HorizonCurve(one.replay.name, one.horizon.time, one.horizon.rms) for one in shown]
     repeated = last.replay.evidence.repeated
-    scores = [(one.replay.name, one.score) for one in shown] + ([("floor", 1.0)] if repeated else [])
+    scores = [(one.replay.name, one.score) for one in shown] + ([("noise floor", 1.0)] if repeated else [])
     maps = maps_of(shown)
     pictures = {
         "errors": draw_errors(scores, over_words(repeated), repeated),
@@ -96,7 +96,7 @@ def write_pictures(found: Comparison, folder: Path, following: Sequence[str] = (
     parts = [
         page.table_of(HEADINGS, rows),
         page.note(
-            "The floor is what repetitions of one test do not share: no model goes below it. 1.0 is perfect."
+            "The noise floor is what repetitions of one test do not share: no model goes below it. 1.0 is perfect."
             if repeated
             else NO_FLOOR
         ),
@@ -140,8 +140,8 @@ def lead_of(models: list[Compared], calibrated: Compared | None = None) -> str:
         f"{counted(len(evidence.tests), 'test')}, {counted(len(evidence.conditions), 'condition')}, driven by the measured pump"
     )
     if not evidence.repeated:
-        return f"Error over the spread of the measurement {told}; no test was repeated, so there is no floor. {tests}."
-    return f"Error over floor, geometric mean of arm and lines: {told}. {tests}."
+        return f"Error over the spread of the measurement {told}; no test was repeated, so repeatability is unknown. {tests}."
+    return f"Error over noise floor, geometric mean of arm and lines: {told}. {tests}."
 
 
 def worst_overlay(models: list[Compared]) -> Overlay:

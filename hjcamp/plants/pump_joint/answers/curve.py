@@ -53,7 +53,7 @@ def begun(row: Mapping[str, Any], file: Path) -> Begun:
     ]
     values, first, last = even_steps(curve["x"], both, KNOTS)
     said = str(row["quantity"])
-    tables: list[Table] = [Table("even", slots, values, curve["y_unit"], f"{said}, alike both ways")]
+    tables: list[Table] = [Table("even", slots, values, curve["y_unit"], f"{said}, the same both ways")]
     odd = [None if a is None or b is None else share * _mean(a, b, -1.0) for a, b in zip(forward, backward, strict=True)]
     if sum(value is not None for value in odd) >= 2:
         known = {"x": curve["x"], "y": odd}

@@ -104,9 +104,9 @@ def _print(console: Console, told: Told) -> None:
             console.print(f"  {still} more moved by less than 1 %", style="dim", markup=False)
     weighed = len({name for step in found.steps for name in step.fits})
     twins = (
-        f"{counted(len(found.null.gains), 'twin')} with nothing missing"
+        f"{counted(len(found.null.gains), 'null replicate')} simulated with nothing missing"
         if not found.lacking
-        else "no twins: nothing to ask of them"
+        else "no null replicates: no question for them"
     )
     count = f"screened {counted(len(told.library), 'effect')}, weighed {weighed}, {twins}"
     console.print(f"{count}   {content['seconds']:.0f} s", markup=False)

@@ -83,7 +83,7 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path, 
         parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows)]
         parts.append(page.note(LEFT))
     parts += [
-        page.heading("What is left in the residuals"),
+        page.heading("Structure of the residuals"),
         page.side_by_side([(said, pictures[name]) for name, said in CORRELATIONS.items() if name in pictures]),
         page.note(
             "Of the channel in which what was found helps most (the arm where nothing was), over windows that begin at measured "
@@ -99,8 +99,8 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path, 
     hidden, pairs = told.confounded()
     if hidden or pairs:
         rows = [[name, "hidden by the base parameters", ""] for name in hidden]
-        rows += [[names, "look alike", f"{cosine:.2f}"] for names, cosine in pairs]
-        parts += [page.heading("Effects that these tests cannot tell apart or cannot see")]
+        rows += [[names, "similar response", f"{cosine:.2f}"] for names, cosine in pairs]
+        parts += [page.heading("Effects that these tests cannot distinguish or cannot detect")]
         parts += [page.table_of(("effects", "why", "cosine"), rows)]
         parts += [page.note("Cosine: between the responses that the base parameters cannot take up; 1 is the same.")]
     parts += [page.heading("Calibrated first"), page.table_of(CALIBRATED, told.calibration(every=True))]

@@ -26,9 +26,9 @@ TITLES = {
     "cannot_tell": "Cannot tell",
 }
 CALIBRATED = ("parameter", "published", "here", "95 %", "change")
-CANDIDATES = ("effect", "posterior", "left", "parameter", "value", "95 %")
+CANDIDATES = ("effect", "posterior", "residual", "parameter", "value", "95 %")
 LEFT = (
-    "Left: of all residuals on tests not used for the fit (windows, lines, sliding force, first reading), against the "
+    "Residual: share on held-out tests (windows, lines, sliding force, initial encoder offset), relative to the "
     "calibrated model's; this ranks the effects."
 )
 MOVED = 0.01
@@ -60,7 +60,7 @@ class Told(Diagnosed):
         if verdict == "one_of":
             return [whole_sentence(found.reason), self.chance()]
         if verdict == "outside_library":
-            left = "What is left depends on nothing that was measured."
+            left = "The residual depends on nothing that was measured."
             if self.unexplained is not None:
                 final = self.content["error"]["augmented"]
                 left = self.unexplained.sentence("best" if looks_at_final(found, final) else "calibrated")
@@ -113,9 +113,8 @@ class Told(Diagnosed):
 
     def worst(self) -> list[str]:
         """Return the conditions that err most on tests not used for the fit, by the model with the effects."""
-        return worst_words(
-            self.content["worst"], "the floor" if self.judging.scale.repeated else "the spread of what was measured"
-        )
+        over = "the noise floor" if self.judging.scale.repeated else "the spread of what was measured"
+        return worst_words(self.content["worst"], over)
 
     def errors(self) -> list[tuple[str, Judged]]:
         """Return the errors by name: as started, calibrated, with the effects."""
@@ -135,7 +134,7 @@ class Told(Diagnosed):
     def scores(self) -> list[tuple[str, float]]:
         """Return the errors in one number each, and the floor last where there is one."""
         rows = [(name, one.score) for name, one in self.errors() if math.isfinite(one.score)]
-        return [*rows, ("floor", 1.0)] if self.judging.scale.repeated else rows
+        return [*rows, ("noise floor", 1.0)] if self.judging.scale.repeated else rows
 
     def bars(self) -> tuple[list[tuple[str, float]], str, bool, int]:
         """Return what draws these errors: rows, what they are over, whether there is a floor, how many are before the calibrated."""

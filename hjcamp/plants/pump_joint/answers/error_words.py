@@ -1,4 +1,4 @@
-"""The errors of models in a table: each channel in its own unit, then how many times the floor that is."""
+"""The errors of models in a table: each channel in its own unit, then how many times the noise floor that is."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CHANNELS = {
 }
 FIRST, LEAST_DEG = "first_reading", 1e-6
 MEAN = "arm and lines"
-OVER_FLOOR = "error / floor, geometric mean of arm and lines"
+OVER_FLOOR = "error / noise floor, geometric mean of arm and lines"
 OVER_SPREAD = "error / spread of the measurement, geometric mean of arm and lines"
 
 
@@ -57,7 +57,7 @@ def error_table(models: Sequence[tuple[str, Judged]], scale: Scale) -> tuple[lis
             rows.append([label(channel), *cells, "none" if floor is None else in_unit(floor, channel)])
     times = " x" if scale.repeated else ""
     rows.append([MEAN, *(f"{one.score:.2f}{times}" for _, one in shown), f"1.00{times}" if scale.repeated else ""])
-    return ["error", *(name for name, _ in shown), "floor"], rows
+    return ["error", *(name for name, _ in shown), "noise floor"], rows
 
 
 def _is_nothing(error: ChannelError) -> bool:

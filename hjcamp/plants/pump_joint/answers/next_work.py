@@ -50,7 +50,7 @@ class Work:
         choices = allowed_by(menu(), self.words.fixed)
         if not choices:
             given = " ".join(f"{key}={value}" for key, value in self.words.fixed.items())
-            raise UsageError(f"{given}: no test of the menu is left with that")
+            raise UsageError(f"{given}: no test of the menu remains with that")
         begin = DIAGNOSED if self.found else 0.0
         crew = Crew(self.words.workers or available())
         try:

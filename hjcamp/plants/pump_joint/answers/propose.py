@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 SETTLED = {
     "effect": "these tests already say what is missing",
-    "nothing_missing": "nothing is missing in these tests, so there is nothing to tell apart",
+    "nothing_missing": "nothing is missing in these tests, so there is nothing to distinguish",
     "outside_library": "no effect of the library explains these tests; write the effect before further tests",
 }
 

@@ -97,7 +97,8 @@ def _print(console: Console, content: Mapping[str, Any], folder: Path) -> None:
         for number, step in enumerate(content["steps"], start=1):
             twins, chance = len(step["gains_of_twins"]), f"{step['p_value']:.3g}"
             console.print(
-                f"step {number}  {best_of(step)} gains {step['gain']:.1f}; chance {chance}, {twins} twins", markup=False
+                f"step {number}  {best_of(step)} gains {step['gain']:.1f}; chance {chance}, {twins} null replicates",
+                markup=False,
             )
     console.print(f"page    {folder / 'page.md'}", markup=False)
     if content["verdict"] in ("effect", "one_of", "outside_library", "nothing_missing"):

@@ -30,7 +30,7 @@ VARIABLES = {
 
 
 class Place(Protocol):
-    """A share of the excess error and the conditions that show it."""
+    """A share of the error above repeatability and the conditions that show it."""
 
     @property
     def subsystem(self) -> str: ...
@@ -70,20 +70,20 @@ def where_sentences(places: Sequence[Place], over: float | None = None) -> list[
     ``over`` is the error of the model over the floor, None without repetitions: where little is left, that is said first.
     """
     if not places and over is not None:
-        return [f"What is left is {over:.1f} x the floor: nothing stands out from what the repetitions differ by."]
+        return [f"The error is {over:.1f} x the noise floor: nothing stands out from what the repetitions differ by."]
     if not places:
-        return [f"{NO_FLOOR} Where the error is cannot be told apart from chance."]
+        return [f"{NO_FLOOR} Where the error is cannot be distinguished from chance."]
     whole = [place for place in places if place.variable == "all"]
     if over is not None and over <= NEAR:
         shares = ", ".join(f"{100 * place.share:.0f} % {place.subsystem}" for place in whole)
-        return [f"What is left is {over:.1f} x the floor: nothing stands out (of that little, {shares})."]
+        return [f"The error is {over:.1f} x the noise floor: nothing stands out (of that little, {shares})."]
     said = []
     for number, place in enumerate(whole):
         if number == 0 or place.share > TELLING:
             said.append(f"{_share(place)}: {place.subsystem} ({HOW[place.subsystem]}).")
     for number, place in enumerate(strongest_cuts(places)[:2]):
         text = f"{_share(place)}: {place.subsystem}, {phrase(place.variable, place.bin)}"
-        again = " (the same error, divided another way)" if number else ""
+        again = " (same error, grouped differently)" if number else ""
         said.append(f"{text}, in {_seen_in(place)}{again}.")
     return said
 
@@ -128,4 +128,4 @@ def grouped_bars(rows: Sequence[Mapping[str, Any]], groups: int = 4, most: int =
 
 
 def _share(place: Place) -> str:
-    return f"{100 * place.share:.0f} % of the excess error"
+    return f"{100 * place.share:.0f} % of the error above repeatability"

@@ -143,7 +143,7 @@ def identify_leakage(logs: Sequence[TestLog], stiffness: float, noise: float) ->
         warnings.append(f"no threshold shows between {low:.2f} and {high:.2f} MPa gauge; hold at a higher pressure")
     least = scale / (len(tests[0][0][0]) ** 0.5 * tests[0][0][0][-1]) * 6.0
     if float(np.mean(rates)) * 0.5 * (low + high) < least:
-        warnings.append(f"no leak above {least:.2g} MPa/s can be told from the sensors' noise")
+        warnings.append(f"no leak above {least:.2g} MPa/s can be distinguished from the sensors' noise")
     facts = {"pressures tested": f"{low:.2f} to {high:.2f} MPa gauge"}
     return Finding("leakage", tuple(estimates), _chart(tests, leaks), tuple(warnings), facts)
 

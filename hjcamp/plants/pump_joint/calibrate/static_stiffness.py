@@ -198,8 +198,8 @@ def stiffness_charts(steps: Sequence[Step]) -> tuple[str, list[Chart]]:
     if drawn:
         name = "Force that the lines bear over what the arm gives way"
         charts.append(Chart("stiffness", "", name, "Travel at the sliders (mm)", "Change of (p2 - p1) A2 (N)", tuple(drawn)))
-    name = "Angle that is left at the end of the force"
-    charts.append(Chart("left", "", name, "Force at the sliders (N)", "Angle left (deg)", tuple(angles)))
+    name = "Residual angle at the end of the force"
+    charts.append(Chart("left", "", name, "Force at the sliders (N)", "Residual angle (deg)", tuple(angles)))
     return "; ".join(said), charts
 
 

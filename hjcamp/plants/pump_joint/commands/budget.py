@@ -1,4 +1,4 @@
-"""What costs how much: each part of the rig halved or each effect removed, gains tuned anew, errors before and after."""
+"""What costs how much: each part of the rig halved or each effect removed, gains tuned again, errors before and after."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ def budget(
         list[str] | None,
         typer.Argument(metavar="[OVERRIDE...]", help="As for run: trajectory=, controller=, model= ...", show_default=False),
     ] = None,
-    share: Annotated[float, typer.Option(min=0.05, max=0.95, help="What is left of each part.")] = 0.5,
+    share: Annotated[float, typer.Option(min=0.05, max=0.95, help="Remaining share of each part.")] = 0.5,
     repetitions: Annotated[int, typer.Option(min=1, max=100, help="Simulated tests of each part.")] = 7,
     seed: Annotated[int, typer.Option(help="Every random number follows from it.")] = 1,
-    keep_gains: Annotated[bool, typer.Option("--keep-gains", help="Do not tune the gains anew: faster.")] = False,
+    keep_gains: Annotated[bool, typer.Option("--keep-gains", help="Do not tune the gains again: faster.")] = False,
     json_file: AnswerFile = None,
     figure: Annotated[Path, typer.Option(help="Where the bars go (png, svg, pdf).")] = Path("budget.png"),
 ) -> None:
-    """What costs how much: each part of the rig halved or each effect removed, gains tuned anew, errors before and after."""
+    """What costs how much: each part of the rig halved or each effect removed, gains tuned again, errors before and after."""
     from hjcamp.analyses.diagnosing import check_seed
     from hjcamp.campaign.compiling import Doing, kernels_of, status
     from hjcamp.campaign.console import make_console
@@ -109,7 +109,7 @@ def _print(name: str, items: list[Item], share: float) -> None:
     from hjcamp.report.sheet import with_deviation
 
     table = Table(title=f"{name}: each part down to {share:g} of what it is", title_justify="left", box=None, pad_edge=False)
-    headings = ("part made better", "RMSE1, gains kept", "RMSE1, tuned anew", "|e|max, best", "change")
+    headings = ("part made better", "RMSE1, gains kept", "RMSE1, tuned again", "|e|max, best", "change")
     for heading in headings:
         table.add_column(heading, justify="left" if heading == headings[0] else "right")
 

@@ -240,7 +240,7 @@ class _Search:
 
             def tick() -> None:
                 done[0] += 1
-                self.report(f"twin {done[0]} of {self.work.twins}", share + 0.1 * done[0] / self.work.twins)
+                self.report(f"null replicate {done[0]} of {self.work.twins}", share + 0.1 * done[0] / self.work.twins)
 
             seeds = [self.seed * 100_000 + self.number * 1000 + index for index in wanted]
             self.twins += simulate_twins(self.fitter, screening.about, self.scatter, seeds, tick)

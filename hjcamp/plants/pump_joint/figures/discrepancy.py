@@ -142,8 +142,8 @@ def _bars(axis: Any, bars: Sequence[tuple[str, str, float]]) -> None:
     dress(axis, "")
     axis.grid(False, axis="y")
     axis.grid(True, axis="x", color=GRID, linewidth=0.5)
-    axis.set_title("each group divides the same error anew", loc="left", fontsize=8, color=INK)
-    axis.set_xlabel("Share of the excess error (%)", color=INK, fontsize=8.5)
+    axis.set_title("alternative breakdowns of the same error", loc="left", fontsize=8, color=INK)
+    axis.set_xlabel("Share of the error above repeatability (%)", color=INK, fontsize=8.5)
 
 
 def _map(figure: Any, axis: Any, one: Map, most: float | None) -> None:
@@ -185,7 +185,7 @@ def draw_horizon(curves: Sequence[HorizonCurve], floor: Array | None) -> str:
             axis.plot(one.time * 1e3, np.degrees(one.rms), color=colour, linewidth=1.4, label=one.name)
         if floor is not None:
             style = (0, (4, 2.5))
-            axis.plot(curves[0].time * 1e3, np.degrees(floor), color=INK, linewidth=1.0, linestyle=style, label="floor")
+            axis.plot(curves[0].time * 1e3, np.degrees(floor), color=INK, linewidth=1.0, linestyle=style, label="noise floor")
         dress(axis, "Error of the arm (deg, rms)")
         axis.set_xlabel("Time since the restart from measured states (ms)", color=INK, fontsize=8.5)
         axis.legend(fontsize=8, frameon=False)

@@ -145,7 +145,7 @@ percentages of the text.
 Taken as sample standard deviations (divided by n - 1), {sample} of the {deviations} printed deviations are excluded by
 their repetitions; divided by n, {population} are. So `Std. Dev.` in the thesis is the root mean square deviation.
 The tables of hjcamp carry the sample standard deviation; for 7 tests it is sqrt(7/6) = 1.08 times larger. The published
-deviations beside them stay as printed.
+deviations next to them stay as printed.
 
 ## What remains
 

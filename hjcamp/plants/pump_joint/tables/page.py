@@ -12,7 +12,7 @@ GOAL = 0.2  # of the mean absolute log ratio
 VERDICTS = {
     "nothing_missing": "Nothing is missing: the calibrated base meets the table as well as tables of its own.",
     "effect": "The table is met with {names}.",
-    "one_of": "One of {names}; the table does not tell them apart.",
+    "one_of": "One of {names}; the table does not distinguish them.",
     "outside_library": "Something is missing that no effect of the library and no factor of the loop explains{partly}.",
     "cannot_tell": "These cells cannot tell: {lacking}.",
 }
@@ -79,7 +79,7 @@ def _reading(found: Mapping[str, Any]) -> Iterator[str]:
     yield (
         "(the model is not refitted to them)."
         if left > 0.05
-        else "(the model is not refitted to them): something is left that it does not explain."
+        else "(the model is not refitted to them): a residual remains that it does not explain."
     )
     yield ""
 
@@ -107,11 +107,11 @@ def _quantities(found: Mapping[str, Any]) -> Iterator[str]:
 
 def _steps(found: Mapping[str, Any]) -> Iterator[str]:
     yield from ("## The search", "")
-    yield "Each step predicts what every candidate would gain, on the measured table and on twins: tables drawn from the model"
-    yield "before it. What promises more than 95 % of the twins' best is refitted."
+    yield "Each step predicts what every candidate would gain, on the measured table and on null replicates, drawn from the model"
+    yield "before it. What promises more than 95 % of the replicates' best is refitted."
     yield from (
         "",
-        "| step | model before | best | gain | largest gain of twins | twins | chance |",
+        "| step | model before | best | gain | largest gain of null replicates | replicates | chance |",
         "|---:|---|---|---:|---:|---:|---:|",
     )
     for number, step in enumerate(found["steps"], start=1):
@@ -122,7 +122,8 @@ def _steps(found: Mapping[str, Any]) -> Iterator[str]:
         yield f"| {number} | {before} | `{best}` | {step['gain']:.1f} | {most} | {len(twins)} | {step['p_value']:.3g} |"
     yield from (
         "",
-        "Gain: fall of the loss beside a control that is refitted alike, less 2 for each quantity; as predicted where nothing was",
+        "Gain: fall of the loss relative to a control that is refitted the same way, less 2 for each quantity; as "
+        "predicted where nothing was",
         "refitted. In each step:",
         "",
     )

@@ -83,7 +83,7 @@ SPINDLE = Kind(
             "How far is the model off?",
             "Each recording is cut into short windows; the model predicts each from its first sample on, under the voltage as logged. "
             "'published' has the constants of the file, 'calibrated' those that fit these recordings best: another spindle of the same "
-            "kind may have another inertia, and that is no missing effect. What is left after that is.",
+            "kind may have another inertia, and that is no missing effect. The residual after that is.",
             _compare,
             "compare",
         ),

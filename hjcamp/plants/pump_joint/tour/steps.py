@@ -43,8 +43,8 @@ STEPS = (
     Step(
         "How far is the model off, and where?",
         "The published model is driven with the measured motion of the pump and has to say what the arm and the two "
-        "lines do. 'error' is by how much it is wrong. 'floor' is by how much repetitions of one test differ from "
-        "each other: no model can do better. Look at 'error / floor' (1 would be perfect) and at the sentences after "
+        "lines do. 'error' is by how much it is wrong. 'noise floor' is by how much repetitions of one test differ from "
+        "each other: no model can do better. Look at 'error / noise floor' (1 would be perfect) and at the sentences after "
         "'where'. Open the page: in the overlay model and measurement part within a second. Some of that is only "
         "another specimen's friction: the map shows a missing force that changes its sign with the direction.",
         _compare,

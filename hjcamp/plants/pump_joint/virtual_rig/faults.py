@@ -22,7 +22,7 @@ KINDS = {
     "pump_jump": "the pump motor encoder jumps by 10 mm",
     "swapped_pressures": "the two pressure sensors are exchanged (from the start)",
     "reversed_encoder": "the arm encoder counts the wrong way (from the start)",
-    "noisy_sensor": "pressure sensor 1 swings by 0.2 V from sample to sample",
+    "noisy_sensor": "pressure sensor 1 jumps by 0.2 V from sample to sample",
 }
 
 

@@ -36,7 +36,7 @@ VARIABLES = {
 
 @dataclass(frozen=True)
 class Place:
-    """A share of the excess error: subsystem, variable and bin, z against the repetitions, conditions that show it.
+    """A share of the error above repeatability: subsystem, variable and bin, z against the repetitions, conditions that show it.
 
     Of ``total`` conditions ``conditions`` have moments in the bin, and in ``shown`` of those the mean has the sign of z: that of
     model - measured in a bin, + where the error is above that of repetitions for a subsystem as a whole.
@@ -97,7 +97,7 @@ def subsystem_excess(features: Features, seen: Array, floor: Array, replayed: Re
 
 
 def where(features: Features, seen: Array, floor: Array | None, replayed: Replay | None) -> list[Place]:
-    """Return the places of the excess error, largest share first: subsystems as a whole, then their bins.
+    """Return the places of the error above repeatability, largest share first: subsystems as a whole, then their bins.
 
     ``seen`` (blocks, channels) are the features of the model's residuals, ``floor`` (channels,) that of the logs. The share
     of a bin is what its mean residual explains of its subsystem's share. A subsystem whose error is not above its floor

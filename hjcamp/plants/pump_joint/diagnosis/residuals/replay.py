@@ -111,7 +111,7 @@ def replay(views: Views, name: str, candidate: Candidate, floors: Mapping[str, f
     joint = views.joint_readings(candidate, windows=False)
     if not np.isfinite(joint).all():
         place = int(evidence.of_test[int(np.flatnonzero(~np.isfinite(joint).all(axis=1))[0])])
-        raise HjcampError(f"model {name} runs away on {evidence.tests[place].name}: its parameters make it unstable")
+        raise HjcampError(f"model {name} diverges on {evidence.tests[place].name}: its parameters make it unstable")
     measured = np.column_stack([evidence.joined(quantity) for quantity in ("arm", "pressure1", "pressure2")])
     pump, seen = {}, {}
     for index, test in enumerate(evidence.tests):

@@ -37,7 +37,7 @@ AGAINST = {
 }
 FOREIGN = {
     "arm_angle": "no effect of the library explains a force that depends on the arm's angle",
-    "time": "no effect of the library explains a force that swings with one frequency in all tests",
+    "time": "no effect of the library explains a force that oscillates with one frequency in all tests",
 }
 
 
@@ -86,7 +86,7 @@ def judge(
         driver = "" if final.candidate.effects else _foreign(features, null, final)
         if driver:
             return Verdict("outside_library", [], FOREIGN[driver], driver)
-        return Verdict("nothing_missing", [], "no effect gains more than in twins with nothing missing")
+        return Verdict("nothing_missing", [], "no effect gains more than in null replicates with nothing missing")
     return weighed([(step.best, rivals_of(step, taken, steps)) for step in taken])
 
 
@@ -98,12 +98,12 @@ def weighed(found: Sequence[tuple[str, list[str]]]) -> Verdict:
     certain = [best for best, rivals in found if not rivals]
     doubtful = next((rivals for _, rivals in found if rivals), [])
     if not doubtful:
-        return Verdict("effect", certain, "the error falls to its floor")
+        return Verdict("effect", certain, "the error falls to repeatability")
     if not found[0][1]:
-        reason = f"beside it one of {', '.join(doubtful)} is needed; these tests fit them alike, others can tell"
+        reason = f"in addition one of {', '.join(doubtful)} is needed; these tests fit them equally well, others can decide"
         return Verdict("effect", certain, reason, undecided=tuple(doubtful))
-    beside = f"; {' and '.join(certain)} beside them is certain" if certain else ""
-    return Verdict("one_of", doubtful, f"these tests fit them alike{beside}", undecided=tuple(doubtful))
+    beside = f"; {' and '.join(certain)} in addition is certain" if certain else ""
+    return Verdict("one_of", doubtful, f"these tests fit them equally well{beside}", undecided=tuple(doubtful))
 
 
 def _foreign(features: Features, null: Null, final: Fit) -> str:
@@ -165,7 +165,7 @@ def lacks(evidence: Evidence) -> list[str]:
             f"{len(evidence.tests)} test(s); at least {LEAST_TESTS} are needed, better several conditions with 3 repetitions each"
         )
     if len(evidence.conditions) < 2:
-        found.append("one condition only: one preload, one speed; most effects look alike here")
+        found.append("one condition only: one preload, one speed; most effects look similar here")
     if len(moving) < 2:
         turned = f"it turns by more than {math.degrees(TRAVEL):.0f} deg in {len(moving)} of them, 2 are needed"
         found.append(f"the arm hardly moves in these tests: {turned}")
