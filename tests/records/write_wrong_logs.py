@@ -26,7 +26,10 @@ Nothing is said of the sound sets.
 "not named" is a fault that a closer look could see. Where the last column begins with "not known", no look at these logs can: why
 is next to it. Two statistics decide (`hjcamp/records/sets/`): an F test of a log's deviation from the mean of its repetitions,
 with the degrees of freedom of the deviations' spectra, and how far that ratio stands out of those of all other logs of the set
-(Student's t of its logarithm), at a level of one wrongly named log in twenty sets.
+(Student's t of its logarithm), at a level of one wrongly named log in a hundred sets. In closed loop the scatter is the largest of
+all conditions in closed loop, and a repetition has one degree of freedom. An error needs more: the log is impossible as a repetition
+(each column that the mistake touches is off by more than it moves), it is near with that one mistake undone, and by chance so near
+in one of a thousand sets. How many sound sets are named all the same is counted in [decisions/sets.md](decisions/sets.md).
 """
 
 

@@ -138,7 +138,7 @@ def added(change: Callable[[Columns], object], at: int = 1, **metadata: str) -> 
     def make(logs: list[TestLog]) -> list[TestLog]:
         columns = {name: values.copy() for name, values in logs[at].columns.items()}
         change(columns)
-        path = Path("copied.mcap")
+        path = Path(f"{Path(str(logs[at].path)).stem}_copied.mcap")
         return [*logs, replace(logs[at], columns=columns, metadata={**logs[at].metadata, **metadata}, path=path)]
 
     return make

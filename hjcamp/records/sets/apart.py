@@ -10,8 +10,8 @@ import numpy as np
 
 from hjcamp.records.sets.course import Array, Course
 
-# By chance one set of logs in twenty has a log that is named.
-LEVEL = 0.05
+# By chance one set of logs in a hundred has a log that is named, and one in a thousand one that is refused.
+LEVEL, REFUSED = 0.01, 0.001
 # Of what a column does (rms): logs that differ by less are repetitions, and commands one command.
 MATTERS = 0.1
 # Steps over this part of a test are looked at beside the readings themselves: what adds up over a test makes them scatter most.
@@ -24,18 +24,20 @@ LEAST = 1e-12
 class Apart:
     """How far a column is from its repetitions: the ``ratio`` to what these differ by, and what chance ``allowed`` of it.
 
-    ``outside``: it is farther from each repetition than these are from each other, by more than a tenth of what the column does.
-    What a single repetition would differ by is not ``known``. ``turned`` is by how much the ratio falls by chance where two tests do
-    not repeat at all and one is changed; ``spread`` the standard deviation that chance gives the logarithm of the ratio,
-    ``whole`` the ratio of the readings themselves.
+    ``outside``: it is farther from each repetition than these are from each other, by more than a tenth of what the column does;
+    ``gross``: by more than all of what it does (rms of the readings). What a single repetition would differ by is not ``known``.
+    ``spread`` is the standard deviation that chance gives the logarithm of the ratio, ``freedom`` and ``least_freedom`` the degrees
+    of freedom of the deviation, and the fewest of those of the others; ``whole`` is the ratio of the readings themselves.
     """
 
     ratio: float
     allowed: float
     outside: bool
     known: bool
-    turned: float
+    gross: bool
     spread: float
+    freedom: float
+    least_freedom: float
     whole: float = 0.0
 
     @property
@@ -43,8 +45,42 @@ class Apart:
         """Whether it is outside, and by more than chance allows."""
         return self.outside and self.known and self.ratio > self.allowed
 
+    def turned(self, level: float, freedom: float) -> float:
+        """Return by how much a ratio falls by chance (``level``) where two tests do not repeat at all and one is changed."""
+        from scipy.special import fdtri
 
-def apart(name: str, columns: dict[str, Array], rest: Sequence[Course], level: float, skipped: int = 0) -> Apart:
+        return float(fdtri(freedom, freedom, 1.0 - level))
+
+
+@dataclass(frozen=True)
+class Hunting:
+    """What repetitions in closed loop differ by: the largest mean square of each column and look, with ``freedom`` of all of them."""
+
+    squares: dict[str, tuple[float, ...]]
+    freedom: int
+
+
+def hunting(groups: Sequence[Sequence[Course]]) -> Hunting:
+    """Return by how much the repetitions of conditions in closed loop differ."""
+    squares: dict[str, tuple[float, ...]] = {}
+    for group in groups:
+        for name in group[0].columns:
+            if all(name in one.columns for one in group):
+                length = min(one.samples for one in group)
+                looks = _looks(np.array([one.columns[name][:length] for one in group]))
+                own = tuple(float(np.mean(np.var(look, axis=0, ddof=1))) for look in looks)
+                squares[name] = tuple(map(max, own, squares.get(name, own)))
+    return Hunting(squares, sum(len(group) - 1 for group in groups))
+
+
+def apart(
+    name: str,
+    columns: dict[str, Array],
+    rest: Sequence[Course],
+    level: float,
+    skipped: int = 0,
+    loops: Hunting | None = None,
+) -> Apart:
     r"""Return how far a column (n,) is from its repetitions ``rest``, of which ``skipped`` samples lie before it.
 
     For the deviation d from the mean of the r repetitions, with the variance s² of these,
@@ -53,39 +89,56 @@ def apart(name: str, columns: dict[str, Array], rest: Sequence[Course], level: f
 
     is beyond what chance exceeds with probability ``level``. Degrees of freedom are those of the spectra P of the deviations,
     :math:`(\sum P)^2 / \sum P^2` (Satterthwaite 1946, doi:10.2307/3002019). The same is asked of steps over a fiftieth of the test,
-    and of its first fiftieth.
+    and of its first fiftieth. In closed loop, of which ``loops`` are the other conditions, s² is the largest of all of them, and a
+    repetition has one degree of freedom: two oscillations of any phases may agree by chance.
     """
     length = min(len(columns[name]), *(one.samples - skipped for one in rest))
-    own = columns[name][:length]
-    each = np.array([one.columns[name][skipped : skipped + length] for one in rest])
+    all_of = [columns[name][:length], *(one.columns[name][skipped : skipped + length] for one in rest)]
     least = max(one.smallest[name] for one in rest) ** 2 + 1e-300
-    step, size = max(length // PART, 1), float(np.var(each))
-    looks = [_apart(own, each, least, level, size)]
-    if length > 2 * step:
-        steps = each[:, step:] - each[:, :-step]
-        looks.append(_apart(own[step:] - own[:-step], steps, 2.0 * least, level, float(np.var(steps))))
-        looks.append(_apart(own[:step], each[:, :step], least, level, size))
+    looks = []
+    for k, look in enumerate(_looks(np.array(all_of))):
+        moves = np.array(all_of)[1:] if k == 2 else look[1:]
+        squares = loops.squares.get(name, ()) if loops else None
+        at_least = None if loops is None else (squares[k] if squares else 0.0, loops.freedom)
+        looks.append(_apart(look[0], look[1:], (2.0 if k == 1 else 1.0) * least, level, float(np.var(moves)), at_least))
     return replace(max(looks, key=lambda one: (one.outside, one.ratio / one.allowed)), whole=looks[0].ratio)
 
 
-def _apart(own: Array, each: Array, least: float, level: float, moves: float) -> Apart:
+def _looks(each: Array) -> list[Array]:
+    """Return readings (k, n) of tests, their steps over a fiftieth of the test, and their first fiftieth."""
+    step = max(each.shape[1] // PART, 1)
+    return [each, each[:, step:] - each[:, :-step], each[:, :step]] if each.shape[1] > 2 * step else [each]
+
+
+def _apart(own: Array, each: Array, least: float, level: float, moves: float, loops: tuple[float, int] | None) -> Apart:
     from scipy.special import fdtri
 
     deviation, count = own - each.mean(axis=0), len(each)
     size = count / (count + 1) * float(np.mean(deviation**2))
-    least_freedom = freedom = _freedom(deviation)
+    own_freedom = freedom = least_freedom = _freedom(deviation)
     scatter = 0.0
+    nearest = float(np.min(np.mean((own - each) ** 2, axis=1)))
     outside = size > MATTERS**2 * moves
     if count > 1:
         scatter = float(np.mean(np.var(each, axis=0, ddof=1)))
         # by chance a deviation is as those of the others, of which few say little: the fewest degrees of freedom are taken
-        usual = min(_freedom(one) for one in each - each.mean(axis=0))
-        freedom, least_freedom = usual, min(freedom, usual)
+        freedom = min(_freedom(one) for one in each - each.mean(axis=0))
+        least_freedom = min(freedom, own_freedom)
         between = max(float(np.mean((one - other) ** 2)) for k, one in enumerate(each) for other in each[:k])
-        outside &= float(np.min(np.mean((own - each) ** 2, axis=1))) > between
+        outside &= nearest > between
     others = max(count - 1, 1) * freedom
-    allowed, turned = float(fdtri(freedom, others, 1.0 - level)), float(fdtri(least_freedom, least_freedom, 1.0 - LEVEL))
-    return Apart(size / max(scatter, least), allowed, bool(outside), count > 1, turned, math.sqrt(2.0 / freedom + 2.0 / others))
+    if loops is not None:
+        scatter, freedom, others = max(scatter, loops[0]), 1.0, max(count - 1, 1) + loops[1]
+    return Apart(
+        ratio=size / max(scatter, least),
+        allowed=float(fdtri(freedom, others, 1.0 - level)),
+        outside=bool(outside),
+        known=count > 1,
+        gross=bool(outside and nearest > moves),
+        spread=math.sqrt(2.0 / freedom + 2.0 / others),
+        freedom=own_freedom,
+        least_freedom=least_freedom,
+    )
 
 
 def _freedom(deviation: Array) -> float:
@@ -104,6 +157,21 @@ def commanded_otherwise(one: Course, rest: Sequence[Course]) -> bool:
             a, b = one.columns[name][:length], other.columns[name][:length]
             if np.mean((a - b) ** 2) > MATTERS**2 * max(np.var(a), np.var(b)):
                 return True
+    return False
+
+
+def in_closed_loop(group: Sequence[Course]) -> bool:
+    """Whether repetitions were driven by more different inputs than the noise of these: then something feeds back what is measured."""
+    for k, one in enumerate(group):
+        for name in one.columns.keys() - {*one.measured}:
+            for other in group[:k]:
+                length = min(one.samples, other.samples)
+                if name.startswith("reference_") or name not in other.columns:
+                    continue
+                differ = float(np.mean((one.columns[name][:length] - other.columns[name][:length]) ** 2))
+                # of noise the difference has twice the variance
+                if differ > 4.0 * max(one.smallest[name], other.smallest[name]) ** 2:
+                    return True
     return False
 
 

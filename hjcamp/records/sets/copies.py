@@ -36,18 +36,30 @@ def counted_once(logs: Sequence[TestLog]) -> tuple[list[TestLog], list[Copy]]:
 
 
 def copies(courses: Sequence[Course]) -> list[Copy]:
-    """Return the courses that are copies of an earlier one: every reading equal within half its last digit, for most of the shorter.
+    """Return the courses that are copies of an original: every reading equal within half its last digit, for most of the shorter.
 
-    So are readings that differ by less than a millionth of what they do, and a copy that lacks rows at an end.
+    So are readings that differ by less than a millionth of what they do, and a copy that lacks rows at an end. The original is the
+    older file, else that of the shorter name, else that of the name first in the alphabet.
     """
     found: dict[int, Copy] = {}
-    for one, other in _pairs(courses):
+    for one, other in _pairs(sorted(courses, key=_age)):
         if id(one.log) in found or id(other.log) in found:
             continue
         lag = _lag(one, other)
         if lag is not None:
             found[id(other.log)] = Copy(other.log, one.log, _text(one, other, lag), _simulated(one, other))
     return list(found.values())
+
+
+def _age(one: Course) -> tuple[float, int, str]:
+    """Return what sorts originals first; several repetitions of a simulation, or logs without a file, by their names alone."""
+    path = one.log.path
+    try:
+        written = path.stat().st_mtime if path is not None else 0.0
+    except OSError:
+        written = 0.0
+    name = path.name if path is not None else one.where
+    return written, len(name), name
 
 
 def _pairs(courses: Sequence[Course]) -> Iterator[tuple[Course, Course]]:
