@@ -141,10 +141,11 @@ def _odd(log: _Log, logs: Sequence[_Log]) -> Odd | None:
 def _other_condition(log: _Log) -> str | None:
     """Return the one condition with which a log agrees that was commanded otherwise than its repetitions.
 
-    In closed loop what drives a plant is no command of the test: there a reference says it, or nothing.
+    Where any condition is in closed loop, what drives a plant is no command of the test: there a reference says it, or nothing.
     """
     shown = any(name.startswith("reference_") for name in log.one.commanded)
-    if (log.loops is not None and not shown) or not commanded_otherwise(log.one, log.rest):
+    fed_back = log.loops is not None or any(map(in_closed_loop, log.others))
+    if (fed_back and not shown) or not commanded_otherwise(log.one, log.rest):
         return None
     agrees = []
     for group in log.others:
