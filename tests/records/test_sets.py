@@ -47,11 +47,16 @@ COPIES = [one.name for one in carriage_mistakes() if one.name.startswith("copied
 
 @pytest.mark.parametrize("name", COPIES)
 def test_a_copy_counts_once(joint: list[TestLog], carriages: list[TestLog], name: str) -> None:
-    for logs, mistakes, original in ((joint, joint_mistakes(), "triangle_slow_r2"), (carriages, carriage_mistakes(), "swing_r2")):
+    for logs, mistakes, original in (
+        (joint, joint_mistakes(), "triangle_slow_r2"),
+        (carriages, carriage_mistakes(), "swing_r2"),
+    ):
         made = named(mistakes, name)(logs)
         kept, copies = counted_once(made)
         assert kept == logs and [str(one.original.path) for one in copies] == [f"{original}.mcap"]
-        assert any(f"_copied.mcap: warning: is a copy of {original}.mcap" in line for line in of_wrong(logs, named(mistakes, name)))
+        assert any(
+            f"_copied.mcap: warning: is a copy of {original}.mcap" in line for line in of_wrong(logs, named(mistakes, name))
+        )
         # whatever the order
         assert [str(one.original.path) for one in counted_once(made[::-1])[1]] == [f"{original}.mcap"]
 
@@ -85,7 +90,9 @@ def test_sound_repetitions_are_none_of_this(joint: list[TestLog], carriages: lis
 
 
 def test_a_simulation_without_scatter_is_no_copy_and_counts_once(carriages: list[TestLog]) -> None:
-    made = [replace(carriages[0], metadata={**carriages[0].metadata, "backend": "simulation", "seed": str(k)}) for k in range(3)]
+    made = [
+        replace(carriages[0], metadata={**carriages[0].metadata, "backend": "simulation", "seed": str(k)}) for k in range(3)
+    ]
     kept, copies = counted_once(made)
     assert len(kept) == 1 and all("without scatter every repetition of a simulation is the same" in one.text for one in copies)
 
@@ -137,7 +144,9 @@ def test_of_two_repetitions_the_one_against_the_others_is_named(joint: list[Test
 @pytest.mark.parametrize("name", ["a hole in the command phase", "two tests in one log", "phases 3, 4, 3, 4, ..."])
 def test_a_command_phase_is_one_stretch(joint: list[TestLog], name: str) -> None:
     log = named(joint_mistakes(), name)(joint)[1]
-    with pytest.raises(UsageError, match=r"triangle_slow_r2.mcap: the command phase \(phase 3\) comes in \d+ stretches \(0 to "):
+    with pytest.raises(
+        UsageError, match=r"triangle_slow_r2.mcap: the command phase \(phase 3\) comes in \d+ stretches \(0 to "
+    ):
         _ = log.command_phase
     assert any("error: the command phase" in line for line in said([log], {Path("triangle_slow_r2.mcap")}))
 

@@ -214,9 +214,7 @@ def _twice(one: Course, rest: Sequence[Course], names: Sequence[str], level: flo
     again: dict[str, Array] = {name: values[length:] for name, values in one.columns.items()}
     if any(apart(name, again, rest, level).far for name in names):
         return None
-    return Odd(
-        one.log, names[0], f"holds the test of its {counted(len(rest), 'repetition')} twice, one after the other", True
-    )
+    return Odd(one.log, names[0], f"holds the test of its {counted(len(rest), 'repetition')} twice, one after the other", True)
 
 
 def _explained(
