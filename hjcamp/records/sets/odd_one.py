@@ -64,8 +64,11 @@ class _Log:
         return apart(name, mistake.columns, self.rest, self.level, mistake.skipped, self.loops)
 
     def usual(self, name: str, logs: Sequence[_Log]) -> list[Apart]:
-        """Return how far a column of other logs in the same kind of loop is: of other conditions, where it has no scatter there."""
-        same = [each for each in logs if each is not self and (each.loops is None) == (self.loops is None)]
+        """Return how far a column of other logs is from its repetitions: of other conditions, where it has no scatter there.
+
+        What is usual in closed loop, those in closed loop say alone.
+        """
+        same = [each for each in logs if each is not self and (each.loops is not None or self.loops is None)]
         known = [(each, each.before[name]) for each in same if name in each.before and each.before[name].known]
         away = [own for each, own in known if each.one.condition != self.one.condition]
         return away if away and all(own.ratio <= LEAST for own in away) else [own for _, own in known]
