@@ -141,7 +141,7 @@ def test_calibrate_names_what_the_tests_cannot_tell_apart(stage: Path) -> None:
     file.write_text(file.read_text().replace('35.0, text="force', '35.0, (1.0, 100.0), base=True, text="force'))
     done = run(app, ["calibrate", "logs/train.mcap", "--as", "both"])
     # every force is in proportion to the gain
-    assert " ".join(done.output.split()).count("These tests do not tell gain, mass, coulomb and viscous apart: give one") == 1
+    assert " ".join(done.output.split()).count("These tests do not distinguish gain, mass, coulomb and viscous: give one") == 1
 
 
 @pytest.mark.study

@@ -77,13 +77,13 @@ def test_percent_that_pass_for_a_ratio(
     write_log(tmp_path / "a.mcap", log_of({**columns, "throttle_ratio": 100.0 * columns["throttle_ratio"]}))
     assert cli.run(["compare", "a.mcap", "--json", "answer.json"]) == 0
     told = capsys.readouterr().out
-    assert "published" in told and "runs away" in told and "nan" not in told
+    assert "published" in told and "diverges" in told and "nan" not in told
     answer = json.loads((tmp_path / "answer.json").read_text())
     assert answer["models"][0]["score"] is None and answer["models"][0]["error"]["angle_rad"]["rms"] is None
     assert answer["calibrated"]["score"] > 0.0
-    assert "runs away" in (tmp_path / "compare" / "error_angle_rad.svg").read_text()
+    assert "diverges" in (tmp_path / "compare" / "error_angle_rad.svg").read_text()
     found = hjcamp.compare("a.mcap")
-    assert found.title == "error over noise floor: published runs away"
+    assert found.title == "error over noise floor: published diverges"
     assert found.frame["rms"].to_list() == [None]
 
 

@@ -177,7 +177,7 @@ def test_the_samples_of_many_tests_are_one_long_frame(tmp_path: Path) -> None:
 
 def test_commands_without_a_function_of_their_own_are_functions_that_say_and_answer(stage: Path) -> None:
     said = hjcamp.explain("floor")
-    assert said.text.startswith("  floor: ") and said.answer is not None and list(said.answer["words"]) == ["floor"]
+    assert said.text.startswith("  noise floor: ") and said.answer is not None and list(said.answer["words"]) == ["noise floor"]
     made = hjcamp.export("logs", into="tables")
     assert made.answer is not None and made.answer["files"] == ["tables/train.parquet"] and "tables/train.parquet" in made.text
     with pytest.raises(UsageError, match="hjcamp explain --help"):
