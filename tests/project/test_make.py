@@ -20,7 +20,11 @@ def steps(target: str, folder: Path) -> str:
     if shutil.which("make") is None or not (ROOT / "Makefile").is_file():
         pytest.skip("no make, or no Makefile here")
     command = ["make", "--dry-run", target, f"VENV={folder / 'none'}"]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    # below `make test` a make would take over its options, and say which folder it enters
+    outside = {
+        name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "MAKEOVERRIDES")
+    }
+    return subprocess.run(command, cwd=ROOT, env=outside, capture_output=True, text=True, check=True).stdout
 
 
 def test_the_demo_needs_an_installation_and_compiles_its_own_kernels_only(tmp_path: Path) -> None:
