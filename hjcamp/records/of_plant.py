@@ -8,7 +8,6 @@ from hjcamp.errors import UsageError
 from hjcamp.known_plants import DEFAULT, plant_called
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.language.field_table import FieldTable, fields_of
-from hjcamp.model.language.field_unit import FIELD_UNITS
 
 PLANT_KEY, PERIOD_KEY = "plant", "period_s"
 USUAL_PERIOD_S = 1e-3
@@ -44,8 +43,3 @@ def period_of(metadata: Mapping[str, str], where: str) -> float:
 def span(seconds: float) -> str:
     """Return a short time in words: in ms below a second."""
     return f"{seconds * 1e3:.4g} ms" if seconds < 1.0 else f"{seconds:.4g} s"
-
-
-def si_scale(unit: str) -> float:
-    """Return the number, in the unit of a field as logs show it, of one SI unit."""
-    return next(known.scale for known in FIELD_UNITS.values() if known.shown == unit)
