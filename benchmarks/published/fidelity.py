@@ -13,9 +13,9 @@ from fidelity_remarks import COMMON_CAUSE, remark
 
 from hjcamp.records.find import find_logs
 from hjcamp.records.read import read_log
-from hjcamp.report.declared import declared_tables
-from hjcamp.report.tables import against_published
-from hjcamp.report.varied import indicators_frame
+from hjcamp.report.runs.varied import indicators_frame
+from hjcamp.report.tables.aggregation import against_published
+from hjcamp.report.tables.declared import declared_tables
 
 MEASURED = ("controllers", "robustness_horizontal", "robustness_vertical")
 GROUPS: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = (

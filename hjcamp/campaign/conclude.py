@@ -63,8 +63,8 @@ def grouped(warnings: Mapping[str, int]) -> list[tuple[str, int]]:
 def _report(folder: RunFolder, console: Console) -> Report:
     from hjcamp.campaign.further_pictures import further_pictures
     from hjcamp.report.build import build_report, verdict
-    from hjcamp.report.factors import MOST_ROWS, effects_sheet
-    from hjcamp.report.terminal import FittedSheet, refitted_table, summary_table
+    from hjcamp.report.tables.factors import MOST_ROWS, effects_sheet
+    from hjcamp.report.tables.terminal import FittedSheet, refitted_table, summary_table
 
     report = build_report(folder.path, against="published", further=further_pictures)
     console.print(summary_table(report.indicators))

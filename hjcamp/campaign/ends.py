@@ -25,7 +25,7 @@ def followed_error(columns: Mapping[str, NDArray[np.float64]], config: Mapping[s
     """Return what the plant controls and its RMS error over the command phase, in the field's unit; None without a reference."""
     from hjcamp.controllers.fit import controlled_field
     from hjcamp.known_plants import plant_of
-    from hjcamp.report.exploration import references
+    from hjcamp.report.pages.exploration import references
 
     followed = controlled_field(plant_of(config))
     known = {name: values for name, values in columns.items() if name == followed or name.startswith("reference_")}
@@ -75,7 +75,7 @@ class Ends:
 
 def condition_line(name: str, ended: Sequence[Outcome]) -> str:
     """Return what became of a condition: tests, failures, RMS error with its standard deviation, seconds of work."""
-    from hjcamp.report.exploration import described
+    from hjcamp.report.wording.channels import described
 
     errors = [one.error for one in ended if one.state == "done" and one.error is not None]
     failed = sum(one.state != "done" for one in ended)

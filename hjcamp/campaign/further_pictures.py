@@ -9,10 +9,10 @@ import numpy as np
 
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import plant_of
-from hjcamp.report.indicators import configuration, indicators_of
-from hjcamp.report.names import axis
 from hjcamp.report.pictures.map import draw_map
-from hjcamp.report.settings import leaves
+from hjcamp.report.runs.indicators import configuration, indicators_of
+from hjcamp.report.runs.settings import leaves
+from hjcamp.report.wording.names import axis
 
 #: What a map shows, with its unit.
 MAPPED = {

@@ -10,8 +10,8 @@ from typing import Any
 from hjcamp.campaign.finding import FoundRun
 from hjcamp.errors import UsageError, unknown
 from hjcamp.json_text import read_json
-from hjcamp.report.indicators import INDICATORS
-from hjcamp.report.welch import SIGNIFICANT, Sample, holm, welch
+from hjcamp.report.runs.indicators import INDICATORS
+from hjcamp.report.tables.welch import SIGNIFICANT, Sample, holm, welch
 
 OVER = ("commits", "runs")
 COMMIT_DIGITS = 10

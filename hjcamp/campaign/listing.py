@@ -10,7 +10,7 @@ from hjcamp.campaign.finding import FoundRun
 from hjcamp.campaign.values import look_up
 from hjcamp.errors import UsageError, unknown
 from hjcamp.json_text import read_json
-from hjcamp.report.indicators import CHOICES, INDICATORS
+from hjcamp.report.runs.indicators import CHOICES, INDICATORS
 
 USUAL = ("run", "campaign", "state", "tests", "started")
 SESSION = ("git", "host", "version", "ended_at", "workers")

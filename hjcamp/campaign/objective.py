@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.errors import HjcampError, UsageError, counted, shown, unknown
-from hjcamp.report.indicators import FURTHER, INDICATORS
+from hjcamp.report.runs.indicators import FURTHER, INDICATORS
 
 if TYPE_CHECKING:
     import polars as pl

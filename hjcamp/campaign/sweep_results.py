@@ -12,7 +12,7 @@ from typing import Any
 
 from hjcamp.campaign.objective import Objective, read_objectives
 from hjcamp.errors import HjcampError
-from hjcamp.report.formats import escape_csv
+from hjcamp.report.tables.formats import escape_csv
 from hjcamp.storage import write_whole
 from hjcamp.yaml_file import read_yaml
 

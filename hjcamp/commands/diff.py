@@ -68,8 +68,8 @@ def _print_settings(console: Console, found: dict[str, Any]) -> None:
 def _print_results(console: Console, found: dict[str, Any], all_rows: bool) -> None:
     from rich.table import Table
 
-    from hjcamp.report.sheet import TITLES, with_deviation
-    from hjcamp.report.welch import SIGNIFICANT
+    from hjcamp.report.tables.sheet import TITLES, with_deviation
+    from hjcamp.report.tables.welch import SIGNIFICANT
 
     if not found["pairs"]:
         console.print("  no condition is in both, so no means are compared", markup=False)

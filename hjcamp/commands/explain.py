@@ -29,7 +29,7 @@ def explain(
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.effects import effect_files
-    from hjcamp.report.glossary import ALSO, WORDS, plain_word
+    from hjcamp.report.wording.glossary import ALSO, WORDS, plain_word
 
     check_answer_file(json)
     asked = " ".join(word or [])

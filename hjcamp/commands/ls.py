@@ -58,8 +58,8 @@ def ls(
     rows = in_order(rows, sort) if sort is not None else rows
     write_answer(json, {"schema": "hjcamp.runs/1", "columns": shown, "runs": rows})
     if page is not None:
-        from hjcamp.report.runs_page import runs_page
-        from hjcamp.report.store import replace_file
+        from hjcamp.report.pages.runs_page import runs_page
+        from hjcamp.report.tables.store import replace_file
 
         there = [run.path for run in runs if (run.path / "report.html").is_file()]
         links = {str(path): _link(path / "report.html", page) for path in there}

@@ -47,9 +47,9 @@ def report(
     from hjcamp.report.check import check as check_cells
     from hjcamp.report.check import read_tolerances
     from hjcamp.report.ci import junit_xml, summary_markdown
-    from hjcamp.report.factors import MOST_ROWS, effects_sheet
-    from hjcamp.report.store import replace_file
-    from hjcamp.report.terminal import FittedSheet
+    from hjcamp.report.tables.factors import MOST_ROWS, effects_sheet
+    from hjcamp.report.tables.store import replace_file
+    from hjcamp.report.tables.terminal import FittedSheet
     from hjcamp.storage import check_place, own_folder
 
     check_answer_file(json)

@@ -15,7 +15,8 @@ from hjcamp.errors import UsageError
 from hjcamp.known_plants import plant_of
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.language.field_table import FieldTable, fields_of
-from hjcamp.report.exploration import NOT_CHANNELS, channel_label, described, references
+from hjcamp.report.pages.exploration import NOT_CHANNELS, references
+from hjcamp.report.wording.channels import channel_label, described
 
 PHASE = re.compile(r"(\d+) ([^,;]+)")
 

@@ -16,7 +16,7 @@ import numpy as np
 from hjcamp.backends.recording import Look, Samples
 from hjcamp.live.messages import block_of, packed
 from hjcamp.model.language.field_unit import unit_of_field
-from hjcamp.report.names import readable
+from hjcamp.report.wording.names import readable
 
 #: Messages that wait for the page at most; about ten seconds of a rig. The oldest is dropped for the newest.
 ROOM = 256

@@ -5,8 +5,8 @@ from __future__ import annotations
 from html import escape
 from pathlib import Path
 
-from hjcamp.report.explorer import library
-from hjcamp.report.template import page_of
+from hjcamp.report.pages.explorer import library
+from hjcamp.report.pages.template import page_of
 
 HERE = Path(__file__).parent
 #: It may speak to its own server, and to nobody else.

@@ -77,7 +77,7 @@ class Run(Result):
     @property
     def frame(self) -> pl.DataFrame:
         """One row for each test: condition, choices, indicators, seed, log, what varied."""
-        from hjcamp.report.indicators import STANDING
+        from hjcamp.report.runs.indicators import STANDING
 
         return self.indicators.drop(STANDING, strict=False)
 

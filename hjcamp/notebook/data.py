@@ -58,8 +58,8 @@ class Data(Read, Result):
     @cached_property
     def indicators(self) -> pl.DataFrame:
         """One row for each test that follows a reference: RMSE1, RMSE2, largest and steady state error (deg), lines, what varied."""
-        from hjcamp.report.indicators import STANDING
-        from hjcamp.report.varied import indicators_frame
+        from hjcamp.report.runs.indicators import STANDING
+        from hjcamp.report.runs.varied import indicators_frame
 
         return indicators_frame(self.logs).drop(STANDING)
 
@@ -113,7 +113,7 @@ class Data(Read, Result):
 
     @cached_property
     def _named(self) -> dict[str, TestLog]:
-        from hjcamp.report.exploration import names_of
+        from hjcamp.report.pages.exploration import names_of
 
         return dict(zip(names_of(self.logs), self.logs, strict=True))
 

@@ -12,12 +12,12 @@ import polars as pl
 
 from hjcamp.errors import UsageError, counted, nearest
 from hjcamp.records.plan import lasting_name
-from hjcamp.report.indicators import INDICATORS, configuration, row_of
-from hjcamp.report.origin import read_origin
-from hjcamp.report.settings import difference
-from hjcamp.report.tables import by_condition
-from hjcamp.report.varied import frame_with_varied
-from hjcamp.report.welch import SIGNIFICANT, Sample, holm, welch
+from hjcamp.report.runs.indicators import INDICATORS, configuration, row_of
+from hjcamp.report.runs.origin import read_origin
+from hjcamp.report.runs.settings import difference
+from hjcamp.report.runs.varied import frame_with_varied
+from hjcamp.report.tables.aggregation import by_condition
+from hjcamp.report.tables.welch import SIGNIFICANT, Sample, holm, welch
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog

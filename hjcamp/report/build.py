@@ -15,23 +15,30 @@ import polars as pl
 from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.report.against_run import RunComparison, read_tests, tests_of
 from hjcamp.report.ci import metrics_json, params_yaml
-from hjcamp.report.declared import TableDefinition, declared_tables
-from hjcamp.report.exploration import REFERENCE, Exploration, names_of
-from hjcamp.report.explorer import explorer_html
-from hjcamp.report.factors import Factor, effects_of, effects_sheet, factors_of, samples_of
-from hjcamp.report.formats import to_latex, to_markdown
-from hjcamp.report.indicators import COLUMNS, FURTHER, IDENTITY, INDICATORS, configuration, row_of, varied_columns
-from hjcamp.report.origin import RunOrigin, origin_facts, read_origin, states_of_tests
-from hjcamp.report.page import Picture, build_page
+from hjcamp.report.pages.exploration import REFERENCE, Exploration, names_of
+from hjcamp.report.pages.explorer import explorer_html
+from hjcamp.report.pages.page import Picture, build_page
 from hjcamp.report.pictures.conditions import draw_condition
 from hjcamp.report.pictures.dot_plot import Dots, dots_of, draw_dots
 from hjcamp.report.pictures.main_effects import CAPTION, draw_main_effects
-from hjcamp.report.published import beside_refit
-from hjcamp.report.sheet import Sheet, arrange, arrange_conditions, arrange_lines
-from hjcamp.report.spread import Condition, Gathering
-from hjcamp.report.store import replace_file, write_frame
-from hjcamp.report.tables import FAR_OFF, against_published, build_table, by_condition, differences, lines_by_condition
-from hjcamp.report.varied import frame_with_varied
+from hjcamp.report.runs.indicators import COLUMNS, FURTHER, IDENTITY, INDICATORS, configuration, row_of, varied_columns
+from hjcamp.report.runs.origin import RunOrigin, origin_facts, read_origin, states_of_tests
+from hjcamp.report.runs.published import beside_refit
+from hjcamp.report.runs.spread import Condition, Gathering
+from hjcamp.report.runs.varied import frame_with_varied
+from hjcamp.report.tables.aggregation import (
+    FAR_OFF,
+    against_published,
+    build_table,
+    by_condition,
+    differences,
+    lines_by_condition,
+)
+from hjcamp.report.tables.declared import TableDefinition, declared_tables
+from hjcamp.report.tables.factors import Factor, effects_of, effects_sheet, factors_of, samples_of
+from hjcamp.report.tables.formats import to_latex, to_markdown
+from hjcamp.report.tables.sheet import Sheet, arrange, arrange_conditions, arrange_lines
+from hjcamp.report.tables.store import replace_file, write_frame
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog

@@ -11,7 +11,7 @@ from typing import Any
 import polars as pl
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.report.indicators import CHOICES, INDICATORS
+from hjcamp.report.runs.indicators import CHOICES, INDICATORS
 from hjcamp.yaml_file import read_yaml
 
 #: What the means are held against: the kinds of tolerances that it allows, and the program's own.
@@ -91,7 +91,7 @@ def check(
     tolerances: str | Path | Tolerances = "default",
     differs: Mapping[str, Sequence[str]] | None = None,
 ) -> list[Violation]:
-    """Return the cells of a comparison (`hjcamp.report.tables.against_published`, `RunComparison.cells`) outside tolerances.
+    """Return the cells of a comparison (`tables.aggregation.against_published`, `RunComparison.cells`) outside tolerances.
 
     `UsageError` where there is no cell to check, because an empty comparison must not pass; ``differs`` are the reasons
     why no published value stands beside some conditions.

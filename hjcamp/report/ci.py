@@ -12,9 +12,9 @@ import polars as pl
 
 from hjcamp.errors import counted
 from hjcamp.report.check import Violation, means_of, tables_of
-from hjcamp.report.formats import escape_markdown, to_markdown
-from hjcamp.report.indicators import INDICATORS
-from hjcamp.report.sheet import Cell, Sheet
+from hjcamp.report.runs.indicators import INDICATORS
+from hjcamp.report.tables.formats import escape_markdown, to_markdown
+from hjcamp.report.tables.sheet import Cell, Sheet
 
 SHOWN = 50
 #: What XML 1.0 cannot hold, even escaped.

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.report.against_run import RunComparison, read_tests
-from hjcamp.report.settings import ABSENT, equal_leaves, unequal
+from hjcamp.report.runs.settings import ABSENT, equal_leaves, unequal
 
 SCHEMA = "hjcamp.run_difference/1"
 #: What the logs say of where they come from.

@@ -10,7 +10,7 @@ import pytest
 from hjcamp.campaign.objective import read_objectives
 from hjcamp.campaign.sweep_results import JobResult, SweepResult
 from hjcamp.errors import HjcampError, UsageError
-from hjcamp.report.indicators import frame_of
+from hjcamp.report.runs.indicators import frame_of
 
 
 def frame(*rows: tuple[str, float, float, float | None]):

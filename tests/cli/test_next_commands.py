@@ -14,8 +14,8 @@ import pytest
 from hjcamp import cli
 from hjcamp.campaign.conclude import next_commands
 from hjcamp.plants.pump_joint.published.values import measured_indicators
-from hjcamp.report.declared import declared_tables
-from hjcamp.report.tables import against_published
+from hjcamp.report.tables.aggregation import against_published
+from hjcamp.report.tables.declared import declared_tables
 
 TWO_PUMPS = """name: two_pumps
 vary:

@@ -16,8 +16,8 @@ from hjcamp.plants.pump_joint.calibrate.constants import attached_configuration
 from hjcamp.records.elsewhere.import_map import read_import_map
 from hjcamp.records.log import TestLog
 from hjcamp.report.check import read_tolerances
-from hjcamp.report.declared import read_definition
-from hjcamp.report.indicators import configuration
+from hjcamp.report.runs.indicators import configuration
+from hjcamp.report.tables.declared import read_definition
 from hjcamp.yaml_file import read_yaml
 
 NINE = ["name: bomb", "x0: &x0 [a,a,a,a,a,a,a,a,a]"]

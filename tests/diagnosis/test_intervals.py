@@ -11,7 +11,7 @@ import pytest
 from hjcamp.diagnosis.estimation.gauss_newton import Fitted, Free
 from hjcamp.diagnosis.estimation.intervals import Interval, covariance_of, intervals
 from hjcamp.model.declare.candidate import Candidate
-from hjcamp.report.units import told_interval
+from hjcamp.report.wording.units import told_interval
 
 WINDOWS = 40
 CHAPTERS = np.arange(WINDOWS) // 4

@@ -11,7 +11,7 @@ from carriage import measured_log
 
 from hjcamp.diagnosis.data.tests import measured_tests
 from hjcamp.diagnosis.results.answer import _few_windows
-from hjcamp.report.floor_words import worst_words
+from hjcamp.report.wording.repeatability import worst_words
 
 
 def groups(*logs: object) -> list[list[int]]:

@@ -11,7 +11,7 @@ import pytest
 from hjcamp.diagnosis.data.repeatability import shared
 from hjcamp.plants.pump_joint.diagnosis.answer_rows import confidence_set, worst
 from hjcamp.plants.pump_joint.diagnosis.scale import Judged, Scale, shared_by
-from hjcamp.report.floor_words import worst_table, worst_words
+from hjcamp.report.wording.repeatability import worst_table, worst_words
 
 
 def test_scatter_cancels_and_what_is_shared_stays() -> None:

@@ -32,7 +32,7 @@ PRIVATE = {
 }
 #: Places where a private word may stand, by file and part of the text, and why.
 ALLOWED: dict[tuple[str, str], str] = {
-    ("hjcamp/report/glossary.py", ""): "old words are still answered by explain",
+    ("hjcamp/report/wording/glossary.py", ""): "old words are still answered by explain",
     ("hjcamp/diagnosis/candidates/nonparametric_laws.py", "floor("): "a function of the equations' language",
     ("docs/templates.md", "`beside`"): "a name that templates of users have",
 }

@@ -20,9 +20,9 @@ from hjcamp.records.write import write_log
 from hjcamp.report.build import build_report
 from hjcamp.report.check import read_tolerances
 from hjcamp.report.run_difference import run_difference
-from hjcamp.report.tables import by_condition
-from hjcamp.report.varied import indicators_frame
-from hjcamp.report.welch import Sample, holm, welch
+from hjcamp.report.runs.varied import indicators_frame
+from hjcamp.report.tables.aggregation import by_condition
+from hjcamp.report.tables.welch import Sample, holm, welch
 
 
 def sample(values: Sequence[float]) -> Sample:

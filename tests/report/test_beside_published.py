@@ -29,12 +29,12 @@ from hjcamp.records.read import read_log
 from hjcamp.records.write import write_log
 from hjcamp.report.build import Report, build_report, verdict
 from hjcamp.report.check import check
-from hjcamp.report.declared import declared_tables
-from hjcamp.report.formats import to_latex
-from hjcamp.report.indicators import COLUMNS, FURTHER
-from hjcamp.report.sheet import arrange_conditions
-from hjcamp.report.tables import against_published, by_condition
-from hjcamp.report.varied import indicators_frame, labels_of
+from hjcamp.report.runs.indicators import COLUMNS, FURTHER
+from hjcamp.report.runs.varied import indicators_frame, labels_of
+from hjcamp.report.tables.aggregation import against_published, by_condition
+from hjcamp.report.tables.declared import declared_tables
+from hjcamp.report.tables.formats import to_latex
+from hjcamp.report.tables.sheet import arrange_conditions
 
 SOFT = "controller.positive.kp=0.7"
 SOFTER = "controller.positive.kp is 0.7 instead of 1.05"

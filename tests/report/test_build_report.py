@@ -20,10 +20,10 @@ from hjcamp.records.log import TestLog
 from hjcamp.records.plan import Plan
 from hjcamp.records.write import write_log
 from hjcamp.report.build import build_report
-from hjcamp.report.indicators import COLUMNS, FURTHER, IDENTITY
 from hjcamp.report.pictures.conditions import draw_condition
-from hjcamp.report.spread import gather
-from hjcamp.report.terminal import summary_table
+from hjcamp.report.runs.indicators import COLUMNS, FURTHER, IDENTITY
+from hjcamp.report.runs.spread import gather
+from hjcamp.report.tables.terminal import summary_table
 
 
 def make_run(folder: Path, logs: Sequence[TestLog], plan: Plan | None = None) -> Path:

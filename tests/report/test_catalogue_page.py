@@ -13,8 +13,8 @@ from hjcamp.effects import effect_files
 from hjcamp.known_plants import find_plant
 from hjcamp.model.declare.effect import Effect
 from hjcamp.model.declare.parameter import Parameter
-from hjcamp.report.catalogue_page import EffectEntry, described, effect_page, equations
-from hjcamp.report.mathml import mathml
+from hjcamp.report.pages.catalogue_page import EffectEntry, described, effect_page, equations
+from hjcamp.report.wording.mathml import mathml
 
 
 class Cable(Effect):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hjcamp.report.chance_words import chance_words, p_words
+from hjcamp.report.wording.chance import chance_words, p_words
 
 
 def test_the_gain_stands_with_those_by_chance() -> None:

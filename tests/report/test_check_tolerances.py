@@ -10,9 +10,9 @@ from report_samples import make_log, make_logs
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint.published.values import measured_indicators
 from hjcamp.report.check import check, read_tolerances
-from hjcamp.report.declared import declared_tables
-from hjcamp.report.tables import against_published
-from hjcamp.report.varied import indicators_frame
+from hjcamp.report.runs.varied import indicators_frame
+from hjcamp.report.tables.aggregation import against_published
+from hjcamp.report.tables.declared import declared_tables
 
 
 def test_the_measurements_pass_their_own_print() -> None:

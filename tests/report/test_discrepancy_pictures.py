@@ -22,7 +22,7 @@ from hjcamp.plants.pump_joint.figures.discrepancy import (
     worst_part,
 )
 from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
-from hjcamp.report.discrepancy_page import bullets, discrepancy_page, picture, place_table
+from hjcamp.report.pages.discrepancy_page import bullets, discrepancy_page, picture, place_table
 from hjcamp.report.pictures.conditions import PAPER, tidy
 from hjcamp.report.pictures.drawing import draw_errors
 

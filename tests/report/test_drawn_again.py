@@ -9,7 +9,7 @@ from report_samples import make_log
 from hjcamp.records.log import TestLog
 from hjcamp.report.pictures import conditions as figures
 from hjcamp.report.pictures.conditions import draw_condition
-from hjcamp.report.spread import Condition, gather
+from hjcamp.report.runs.spread import Condition, gather
 
 
 def scattered(trajectory: str, scale: float, repetitions: int = 2) -> Condition:

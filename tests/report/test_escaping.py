@@ -20,8 +20,8 @@ from hjcamp.campaign.progress import progress_bar
 from hjcamp.commands.shared.streams import Visible
 from hjcamp.errors import visible
 from hjcamp.records.write import write_log
-from hjcamp.report.formats import IN_LATEX, escape_csv, escape_latex, escape_markdown
 from hjcamp.report.paper.numbers import unit_latex
+from hjcamp.report.tables.formats import IN_LATEX, escape_csv, escape_latex, escape_markdown
 
 HOSTILE = (
     "../../evil", r"\input{/etc/passwd}", r"}\input{/etc/passwd}{", "^^5cinput{x}", "$\\frac$", "$", "=HYPERLINK(\"http://x\")",

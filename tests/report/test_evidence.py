@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjcamp.report.correlations import correlations, of_repetitions, unshared
 from hjcamp.report.pictures.evidence import (
     BACKWARD,
     BOTH,
@@ -17,6 +16,7 @@ from hjcamp.report.pictures.evidence import (
     draw_missing,
     draw_worst_test,
 )
+from hjcamp.report.tables.correlations import correlations, of_repetitions, unshared
 
 PERIOD, LATE = 0.01, 7
 GENERATOR = np.random.default_rng(7)

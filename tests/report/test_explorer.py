@@ -15,9 +15,10 @@ import numpy as np
 import pytest
 
 from hjcamp.errors import UsageError
-from hjcamp.report.discrepancy_page import discrepancy_page, picture, table_of
-from hjcamp.report.exploration import MOST, Exploration, described, references
-from hjcamp.report.explorer import explorer_html
+from hjcamp.report.pages.discrepancy_page import discrepancy_page, picture, table_of
+from hjcamp.report.pages.exploration import MOST, Exploration, references
+from hjcamp.report.pages.explorer import explorer_html
+from hjcamp.report.wording.channels import described
 
 TIME = np.arange(1000) * 1e-3
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)

@@ -8,8 +8,8 @@ from html import escape
 import pytest
 
 from hjcamp import cli
-from hjcamp.report.discrepancy_page import bullets, discrepancy_page, note
-from hjcamp.report.glossary import ALSO, EVERYDAY, WORDS, glossed, plain_word
+from hjcamp.report.pages.discrepancy_page import bullets, discrepancy_page, note
+from hjcamp.report.wording.glossary import ALSO, EVERYDAY, WORDS, glossed, plain_word
 
 
 def test_every_word_is_one_sentence_and_every_other_name_leads_to_one() -> None:

@@ -9,8 +9,8 @@ import pytest
 from report_samples import make_log
 
 from hjcamp.records.log import TestLog
-from hjcamp.report.indicators import COLUMNS, FURTHER, STANDING, indicators_of
-from hjcamp.report.varied import indicators_frame
+from hjcamp.report.runs.indicators import COLUMNS, FURTHER, STANDING, indicators_of
+from hjcamp.report.runs.varied import indicators_frame
 
 
 def with_error(log: TestLog, error: np.ndarray) -> TestLog:

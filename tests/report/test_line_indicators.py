@@ -11,10 +11,10 @@ from report_samples import make_log
 
 from hjcamp.campaign.further_pictures import map_pictures, varied_numbers
 from hjcamp.plants.pump_joint.indicators import FURTHER, line_indicators
-from hjcamp.report.declared import Column, TableDefinition
-from hjcamp.report.indicators import indicators_of
 from hjcamp.report.pictures.map import draw_map
-from hjcamp.report.sheet import arrange, arrange_lines
+from hjcamp.report.runs.indicators import indicators_of
+from hjcamp.report.tables.declared import Column, TableDefinition
+from hjcamp.report.tables.sheet import arrange, arrange_lines
 
 
 def test_times_beyond_each_bound_and_the_share_of_the_feedforward() -> None:

@@ -10,11 +10,11 @@ import pytest
 from scipy.stats import t as student
 from scipy.stats import ttest_ind
 
-from hjcamp.report.factors import ALL, Factor, effects_of, effects_sheet, factors_of, samples_of
-from hjcamp.report.indicators import INDICATORS
-from hjcamp.report.origin import RunOrigin
 from hjcamp.report.pictures.main_effects import draw_main_effects
-from hjcamp.report.welch import Sample, contrast
+from hjcamp.report.runs.indicators import INDICATORS
+from hjcamp.report.runs.origin import RunOrigin
+from hjcamp.report.tables.factors import ALL, Factor, effects_of, effects_sheet, factors_of, samples_of
+from hjcamp.report.tables.welch import Sample, contrast
 
 GAINS = ("kp=1.05", "kp=0.7")
 MOTIONS = ("ramp", "sine")

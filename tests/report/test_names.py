@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hjcamp.report.names import axis, readable
+from hjcamp.report.wording.names import axis, readable
 
 
 @pytest.mark.parametrize(

@@ -18,13 +18,13 @@ from hjcamp.commands.paper import paper
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.records.write import write_log
-from hjcamp.report.names import readable
 from hjcamp.report.paper.cite import bibliography, entries_of, sources_of
 from hjcamp.report.paper.figures import formats_of, style_of
 from hjcamp.report.paper.names import distinct, macro
 from hjcamp.report.paper.numbers import Quantity, of_estimate, uncertain, unit_latex
 from hjcamp.report.paper.tables import DEVIATION, paper_table, plain_sheet
-from hjcamp.report.sheet import Cell, Sheet
+from hjcamp.report.tables.sheet import Cell, Sheet
+from hjcamp.report.wording.names import readable
 
 
 def test_numbers_with_uncertainties_by_hand() -> None:

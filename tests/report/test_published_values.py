@@ -11,8 +11,8 @@ import pytest
 from hjcamp.plants.pump_joint.published import consistency
 from hjcamp.plants.pump_joint.published.consistency import HALF_STEP, HALF_STEP_OF_STD, implied_mean, implied_std
 from hjcamp.plants.pump_joint.published.values import measured_indicators, printed_rows, published_cells
-from hjcamp.report.declared import declared_tables
-from hjcamp.report.tables import build_table
+from hjcamp.report.tables.aggregation import build_table
+from hjcamp.report.tables.declared import declared_tables
 
 TABLES = {"5.4.1": "table_5_4_1", "5.4.2": "table_5_4_2", "5.5.1": "table_5_5_1", "5.5.2": "table_5_5_2"}
 

@@ -11,8 +11,8 @@ from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint.published import refitted
 from hjcamp.records.write import write_log
 from hjcamp.report.build import build_report
-from hjcamp.report.page import build_page
-from hjcamp.report.terminal import refitted_table
+from hjcamp.report.pages.page import build_page
+from hjcamp.report.tables.terminal import refitted_table
 
 PLACE = {"trajectory": "mixed", "controller": "pid", "payload": "brass_8p5g", "orientation": "vertical"}
 NAMES = ("rmse1_deg", "rmse2_deg", "e_max_deg")

@@ -10,11 +10,11 @@ from report_samples import make_log, make_logs
 
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint.published.values import measured_indicators
-from hjcamp.report.declared import declared_tables, read_definition
-from hjcamp.report.formats import escape_latex, to_latex, to_markdown
-from hjcamp.report.sheet import arrange, arrange_conditions
-from hjcamp.report.tables import against_published, aggregate, build_table, by_condition
-from hjcamp.report.varied import indicators_frame
+from hjcamp.report.runs.varied import indicators_frame
+from hjcamp.report.tables.aggregation import against_published, aggregate, build_table, by_condition
+from hjcamp.report.tables.declared import declared_tables, read_definition
+from hjcamp.report.tables.formats import escape_latex, to_latex, to_markdown
+from hjcamp.report.tables.sheet import arrange, arrange_conditions
 
 NAMES = ["table_5_4_1", "table_5_4_2", "table_5_5_1", "table_5_5_2", "table_5_5_3", "table_5_6_1", "table_6_3_1"]
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from hjcamp.effects import load_effects
 from hjcamp.plants.pump_joint import PumpJoint
-from hjcamp.report.units import (
+from hjcamp.report.wording.units import (
     SHOWN,
     decimals_of,
     label,

@@ -10,7 +10,7 @@ import pytest
 from hjcamp.records.log import TestLog, observed
 from hjcamp.report.pictures.conditions import draw_condition
 from hjcamp.report.pictures.small_multiples import AREA_POINTS, HIGH, MOST_POINTS, few_points, small_multiples
-from hjcamp.report.spread import Condition, gather
+from hjcamp.report.runs.spread import Condition, gather
 
 TIME = np.arange(6000) * 1e-3
 

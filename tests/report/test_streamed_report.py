@@ -18,7 +18,7 @@ from hjcamp.records.read import read_log
 from hjcamp.records.stored import StoredLog, kept, stored_logs
 from hjcamp.records.write import write_log
 from hjcamp.report.build import build_report
-from hjcamp.report.spread import gather, with_error
+from hjcamp.report.runs.spread import gather, with_error
 
 NAMES = ["cycloid_pos__pid", "ramp_pos__pid", "cycloid_pos__ffwd_pid", "ramp_pos__ffwd_pid"]
 

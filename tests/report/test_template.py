@@ -10,7 +10,7 @@ from report_samples import make_logs
 
 from hjcamp.errors import UsageError
 from hjcamp.report.build import build_report
-from hjcamp.report.page import Picture, build_page
+from hjcamp.report.pages.page import Picture, build_page
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = re.findall(r"```jinja\n(.*?)```", (ROOT / "docs" / "templates.md").read_text(encoding="utf-8"), re.DOTALL)[0]

@@ -12,11 +12,11 @@ from rich.console import Console
 
 from hjcamp.plants.pump_joint.published.values import measured_indicators
 from hjcamp.records.log import TestLog
-from hjcamp.report.declared import declared_tables
-from hjcamp.report.sheet import Sheet, arrange, arrange_conditions
-from hjcamp.report.tables import build_table, by_condition
-from hjcamp.report.terminal import FittedSheet, summary_table
-from hjcamp.report.varied import indicators_frame
+from hjcamp.report.runs.varied import indicators_frame
+from hjcamp.report.tables.aggregation import build_table, by_condition
+from hjcamp.report.tables.declared import declared_tables
+from hjcamp.report.tables.sheet import Sheet, arrange, arrange_conditions
+from hjcamp.report.tables.terminal import FittedSheet, summary_table
 
 WIDTHS = (80, 100)
 

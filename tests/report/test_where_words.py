@@ -7,7 +7,7 @@ from typing import NamedTuple
 import pytest
 
 from hjcamp.plants.pump_joint.answers.where_words import grouped_bars, phrase, where_sentences
-from hjcamp.report.floor_words import worse_calibrated
+from hjcamp.report.wording.repeatability import worse_calibrated
 
 
 class Place(NamedTuple):

@@ -11,7 +11,7 @@ from hjcamp.plants.pump_joint.tables import rig as rigs
 from hjcamp.plants.pump_joint.tables.question import asked
 from hjcamp.records.log import TestLog
 from hjcamp.records.plan import seed_of
-from hjcamp.report.indicators import CHOICES, INDICATORS, indicators_of
+from hjcamp.report.runs.indicators import CHOICES, INDICATORS, indicators_of
 
 
 @pytest.fixture

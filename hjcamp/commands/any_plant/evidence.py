@@ -115,8 +115,8 @@ def _missing(
 
 def _branches(words: Words, known: Unknown, curve: dict[str, Any]) -> tuple[Branch, ...]:
     """Return the curve of a free law, of each condition over the time of its tests where these have courses of their own."""
-    from hjcamp.report.names import readable
     from hjcamp.report.pictures.evidence import Branch
+    from hjcamp.report.wording.names import readable
 
     if not known.apart:
         return (_branch(curve),)
@@ -176,7 +176,7 @@ def _after(words: Words, known: Unknown) -> Scored | None:
 
 def _worst_test(words: Words, errors: dict[str, Any]) -> tuple[Any, ...]:
     """Return the arguments of the picture of the test and channel that the calibrated model predicts worst."""
-    from hjcamp.report.names import readable
+    from hjcamp.report.wording.names import readable
 
     layout = words.analysis.windows.layout
     measured = layout.measured
@@ -209,7 +209,7 @@ def worst_of(words: Words, errors: dict[str, Any]) -> tuple[int, int]:
 
 def _swing(swing: Swing) -> tuple[Any, ...]:
     """Return the arguments of the picture of what a model errs by over a whole test, and the sine in it."""
-    from hjcamp.report.names import readable
+    from hjcamp.report.wording.names import readable
 
     rows, sensor = slice(0, None, max(len(swing.time) // POINTS, 1)), swing.sensor
     title = f"{readable(swing.test)}: oscillation at {swing.frequency:.4g} Hz"
@@ -222,7 +222,7 @@ def _correlations(words: Words, errors: dict[str, Any]) -> tuple[list[tuple[str,
 
     In the sensor that the calibrated model predicts worst; between repetitions of what the last model leaves.
     """
-    from hjcamp.report.correlations import correlations, of_repetitions
+    from hjcamp.report.tables.correlations import correlations, of_repetitions
 
     layout = words.analysis.windows.layout
     of_row = np.repeat(layout.of_test, layout.width)

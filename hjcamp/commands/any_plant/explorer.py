@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from hjcamp.diagnosis.results.comparison import Shown
     from hjcamp.records.log import TestLog
     from hjcamp.records.views.model_log import ModelledTest
-    from hjcamp.report.exploration import Exploration
+    from hjcamp.report.pages.exploration import Exploration
 
 
 def exploration_of(found: PlantComparison) -> Exploration:
     """Return every test with all logged channels, all models, and each model without one of its effects (off at first)."""
     from hjcamp.records.log import observed
-    from hjcamp.report.exploration import Exploration
+    from hjcamp.report.pages.exploration import Exploration
 
     layout = found.analysis.windows.layout
     tests, sensors = layout.measured.tests, layout.measured.sensors
@@ -40,7 +40,7 @@ def modelled_tests(found: PlantComparison) -> Iterator[ModelledTest]:
     Predictions are NaN where a test belongs to no window that is looked at.
     """
     from hjcamp.records.views.model_log import ModelledTest
-    from hjcamp.report.exploration import names_of
+    from hjcamp.report.pages.exploration import names_of
 
     layout = found.analysis.windows.layout
     names = names_of([test.log for test in layout.measured.tests])
@@ -71,7 +71,7 @@ def _logged(log: TestLog) -> dict[str, Any]:
     """Return the channels of a log whose names say their unit: others have no axis."""
     from hjcamp.errors import UsageError
     from hjcamp.model.language.field_unit import unit_of_field
-    from hjcamp.report.exploration import NOT_CHANNELS
+    from hjcamp.report.pages.exploration import NOT_CHANNELS
 
     found = {}
     for name, values in log.command_phase.items():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from hjcamp.diagnosis.data.tests import FEWEST_SAMPLES
-from hjcamp.report.units import plain
+from hjcamp.report.wording.units import plain
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjcamp.errors import counted
-from hjcamp.report.units import told
+from hjcamp.report.wording.units import told
 
 if TYPE_CHECKING:
     from rich.console import Console

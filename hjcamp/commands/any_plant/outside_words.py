@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.diagnosis.levels import LEVEL, MATTERS
 from hjcamp.diagnosis.results.shares import left_of
 from hjcamp.model.declare.base_values import DELAY
-from hjcamp.report.units import plain, told, told_estimate, told_interval, told_like
+from hjcamp.report.wording.units import plain, told, told_estimate, told_interval, told_like
 
 if TYPE_CHECKING:
     from hjcamp.model.declare.effect import Effect
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def swing_words(row: Mapping[str, Any]) -> str:
     """Say what swings by itself, how much of the error that is, and by what chance it would be there."""
-    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.wording.channels import channel_label
 
     return (
         f"The free-run error of {channel_label(row['channel'])} contains an oscillation at {plain(row['frequency_hz'], 4)} Hz, "

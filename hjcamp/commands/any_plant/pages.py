@@ -43,9 +43,9 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
     from hjcamp.commands.shared.effect_links import equations_of, links, write_effect_pages
     from hjcamp.commands.shared.page_end import made_from, next_steps
     from hjcamp.records.log import observed
-    from hjcamp.report import discrepancy_page as page
-    from hjcamp.report.floor_words import worst_table
+    from hjcamp.report.pages import discrepancy_page as page
     from hjcamp.report.pictures.prediction import draw_windows
+    from hjcamp.report.wording.repeatability import worst_table
 
     analysis, verdict = words.analysis, words.verdict
     library = analysis.search.library
@@ -101,12 +101,13 @@ def write_comparison(found: PlantComparison, folder: Path, following: Sequence[s
     from hjcamp.commands.any_plant.head_words import over_windows
     from hjcamp.commands.shared.page_end import made_from, next_steps
     from hjcamp.records.log import observed
-    from hjcamp.report import discrepancy_page as page
-    from hjcamp.report.exploration import channel_label, names_of
-    from hjcamp.report.explorer import explorer_html
-    from hjcamp.report.names import readable
+    from hjcamp.report.pages import discrepancy_page as page
+    from hjcamp.report.pages.exploration import names_of
+    from hjcamp.report.pages.explorer import explorer_html
     from hjcamp.report.pictures.prediction import draw_model_bars, draw_windows
-    from hjcamp.report.units import plain, told
+    from hjcamp.report.wording.channels import channel_label
+    from hjcamp.report.wording.names import readable
+    from hjcamp.report.wording.units import plain, told
 
     analysis = found.analysis
     layout = analysis.windows.layout

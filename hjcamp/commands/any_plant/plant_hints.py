@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjcamp.model.declare.base_values import DELAY
-from hjcamp.report.units import told
+from hjcamp.report.wording.units import told
 
 if TYPE_CHECKING:
     from hjcamp.diagnosis.residuals.windows import Windows

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.diagnosis.levels import LEVEL, MOST_OF_IT
-from hjcamp.report.units import plain, told
+from hjcamp.report.wording.units import plain, told
 
 if TYPE_CHECKING:
     from hjcamp.diagnosis.decision.verdict import Verdict
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def most_remains(content: Mapping[str, Any], verdict: Verdict, source: str) -> list[str]:
     """Say so where less than half of what lies above the floor was found in every channel, or one still errs by twice its floor."""
-    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.wording.channels import channel_label
 
     rows = content["channels"]
     name = max(rows, key=lambda one: rows[one]["augmented"] / max(rows[one]["floor"], 1e-300))
@@ -46,7 +46,7 @@ def most_remains(content: Mapping[str, Any], verdict: Verdict, source: str) -> l
 
 def over_noise(content: Mapping[str, Any], source: str) -> list[str]:
     """Say which sensor errs by twice its noise where alike moments differ by that: what acts otherwise in them makes that, too."""
-    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.wording.channels import channel_label
 
     rows, errs = content["floor"], {name: row["augmented"] for name, row in content["channels"].items()}
     name = max(rows, key=lambda one: errs[one] / rows[one]["low"])
@@ -77,7 +77,7 @@ def remains(name: str, row: Mapping[str, Any], p: float) -> str:
 
 def still_errs(name: str, row: Mapping[str, Any]) -> str:
     """What a channel still errs by, and how many times its noise floor or noise that is."""
-    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.wording.channels import channel_label
 
     times = (
         f"{row['high'] / least(row):.2g} times its {'own noise (third differences)' if row['value'] is None else 'noise floor'}"

@@ -40,9 +40,9 @@ from hjcamp.commands.any_plant.words import (
 )
 from hjcamp.diagnosis.levels import LEVEL
 from hjcamp.diagnosis.results.shares import left_of, share_of
-from hjcamp.report.chance_words import chance_words
-from hjcamp.report.floor_words import worst_words
-from hjcamp.report.units import plain, told_estimate, told_interval
+from hjcamp.report.wording.chance import chance_words
+from hjcamp.report.wording.repeatability import worst_words
+from hjcamp.report.wording.units import plain, told_estimate, told_interval
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -12,7 +12,7 @@ from hjcamp.commands.any_plant.plant_hints import far_states
 from hjcamp.diagnosis.levels import MATTERS
 from hjcamp.diagnosis.results.shares import left_of
 from hjcamp.model.declare.base_values import DELAY
-from hjcamp.report.units import plain, told, told_all, told_estimate, told_interval, told_like
+from hjcamp.report.wording.units import plain, told, told_all, told_estimate, told_interval, told_like
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -34,7 +34,7 @@ FLOORS = {
 def floor_note(analysis: Analysis) -> str:
     """Return in words what the floor is; without repetitions with the sensors' own noise, which may be far below it."""
     from hjcamp.diagnosis.results.answer import floor_rows
-    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.wording.channels import channel_label
 
     source = analysis.floor.source
     if source != "near_replicates":
@@ -47,7 +47,7 @@ def channel_table(
     rows: Mapping[str, Mapping[str, Any]], whole: Mapping[str, Mapping[str, Any]] | None = None
 ) -> list[list[str]]:
     """Rows of a channel's error: before, after, floor, with the unit; then those of ``whole`` tests, where they are looked at."""
-    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.wording.channels import channel_label
 
     of_windows = [
         [channel_label(name), *told_all([row[key] for key in ("baseline", "augmented", "floor")], row["unit"])]
@@ -214,7 +214,7 @@ def print_comparison(console: Console, found: Comparison) -> None:
 
 def end_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Return in words where sensors end, and what that means for a model."""
-    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.wording.channels import channel_label
 
     return [
         f"{channel_label(name)} reads no {word} than {told(row[key], row['unit'])}: predictions are held there, and "
@@ -227,7 +227,7 @@ def end_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 def still_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Return in words which inputs do not move in any test, and what that leaves open."""
-    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.wording.channels import channel_label
 
     return [
         f"{channel_label(name)} keeps one value, {told(row['value'], row['unit'])}, in all tests: its effect cannot be identified "
@@ -246,7 +246,7 @@ def notes_on(found: Comparison) -> list[str]:
 
 def further_off(found: Comparison) -> list[str]:
     """Return in words where the last model is the worse for being calibrated, and where one errs less in a channel than a nearer."""
-    from hjcamp.report.floor_words import worse_calibrated
+    from hjcamp.report.wording.repeatability import worse_calibrated
 
     last, here = found.models[-1], found.calibrated
     why = "the fit gives less weight to what scatters more, this number weights all equally; use it as it stands"
@@ -278,7 +278,7 @@ def _error(value: float, unit: str) -> str:
 
 def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]]:
     """Return the head and rows of a comparison: model, each channel's rms with the share explained, over the floor."""
-    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.wording.channels import channel_label
 
     layout = found.analysis.windows.layout
     sensors = layout.measured.sensors
@@ -311,7 +311,7 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
 
 def whole_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]] | None:
     """Return the head and rows of a comparison over whole tests, which of them run away; nothing where none is looked at so."""
-    from hjcamp.report.exploration import channel_label
+    from hjcamp.report.wording.channels import channel_label
 
     sensors = found.analysis.measured.sensors
     labels = [channel_label(one.field) for one in sensors]

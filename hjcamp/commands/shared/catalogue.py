@@ -11,7 +11,7 @@ from hjcamp.errors import HjcampError
 if TYPE_CHECKING:
     from hjcamp.model.declare.effect import Effect
     from hjcamp.model.declare.plant import Plant
-    from hjcamp.report.catalogue_page import EffectEntry
+    from hjcamp.report.pages.catalogue_page import EffectEntry
 
 MARK = "index.html"
 
@@ -23,7 +23,7 @@ def write_pages(folder: Path, tell: Callable[[str], None] = lambda text: None) -
     """
     from hjcamp.effects import library_of
     from hjcamp.known_plants import load_plants
-    from hjcamp.report.catalogue_page import effect_page, index_page, plant_page
+    from hjcamp.report.pages.catalogue_page import effect_page, index_page, plant_page
     from hjcamp.storage import check_place, whole_file
 
     check_place(folder, "--pages", folder=True)
@@ -82,7 +82,7 @@ def _entries(
 def _entry(
     name: str, effect: type[Effect], plants: Mapping[str, type[Plant]], places: Mapping[str, type[Effect]]
 ) -> EffectEntry:
-    from hjcamp.report.catalogue_page import EffectEntry
+    from hjcamp.report.pages.catalogue_page import EffectEntry
 
     for plant, bound in places.items():
         if picture := picture_of(bound, plants[plant]):
@@ -131,7 +131,7 @@ def picture_of(effect: type[Effect], plant: type[Plant]) -> str:
 
 
 def _values(plant: type[Plant]) -> list[list[str]]:
-    from hjcamp.report.catalogue_page import parameter_rows
+    from hjcamp.report.pages.catalogue_page import parameter_rows
 
     return parameter_rows(plant.parameters)
 

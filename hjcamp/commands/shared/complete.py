@@ -92,7 +92,7 @@ def complete_against(incomplete: str) -> list[str]:
 
 def complete_filter(incomplete: str) -> list[str]:
     """Return what may filter runs (``state=``, and what configures a run), and indicators for ``hjcamp history``."""
-    from hjcamp.report.indicators import INDICATORS
+    from hjcamp.report.runs.indicators import INDICATORS
 
     states = [f"state={state}" for state in ("complete", "failed", "interrupted", "new", "running")]
     return [*starting(incomplete, states), *complete_override(incomplete), *starting(incomplete, INDICATORS)]
@@ -103,7 +103,7 @@ def complete_columns(incomplete: str) -> list[str]:
 
     def found() -> list[str]:
         from hjcamp.campaign.listing import SESSION, USUAL
-        from hjcamp.report.indicators import CHOICES, INDICATORS
+        from hjcamp.report.runs.indicators import CHOICES, INDICATORS
 
         head, comma, last = incomplete.rpartition(",")
         sign = last[:1] if last[:1] in ("+", "-") else ""

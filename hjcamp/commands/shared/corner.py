@@ -35,9 +35,9 @@ def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[
 
     Nothing for no parameter, no picture for one alone. Of more than fit the picture: those of effects, then those most correlated.
     """
-    from hjcamp.report import discrepancy_page as page
+    from hjcamp.report.pages import discrepancy_page as page
     from hjcamp.report.pictures.corner import MOST, draw_corner
-    from hjcamp.report.units import told_error
+    from hjcamp.report.wording.units import told_error
 
     if not found:
         return [], {}
@@ -55,7 +55,7 @@ def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[
 def known_rows(found: Sequence[Estimate], correlation: Array) -> list[list[str]]:
     """Return the rows of the table: parameter, value, interval, which other is most like it, how much, what to mind."""
     from hjcamp.report.pictures.corner import ALIKE, told_correlation
-    from hjcamp.report.units import told_estimate, told_interval
+    from hjcamp.report.wording.units import told_estimate, told_interval
 
     rows, beside = [], _beside(correlation)
     for place, one in enumerate(found):

@@ -16,8 +16,8 @@ BESIDE = (("compare", "compare/index.html"), ("report", "report.html"), ("add", 
 
 def equations_of(names: Sequence[str], library: Mapping[str, type[Effect]]) -> str:
     """Return the first equation of each named effect as MathML, with a link to its page."""
-    from hjcamp.report.catalogue_page import equations
-    from hjcamp.report.mathml import mathml
+    from hjcamp.report.pages.catalogue_page import equations
+    from hjcamp.report.wording.mathml import mathml
 
     parts = []
     for name in names:
@@ -29,7 +29,7 @@ def equations_of(names: Sequence[str], library: Mapping[str, type[Effect]]) -> s
 
 def write_effect_pages(folder: Path, names: Sequence[str], library: Mapping[str, type[Effect]]) -> None:
     """Write the page of each effect that is a candidate beside the diagnosis."""
-    from hjcamp.report.catalogue_page import EffectEntry, effect_page
+    from hjcamp.report.pages.catalogue_page import EffectEntry, effect_page
     from hjcamp.storage import whole_file
 
     for name in dict.fromkeys(names):

@@ -30,7 +30,7 @@ def made_from(logs: Iterable[TestLog]) -> str:
     from hjcamp.campaign.provenance import git_label, utc_now
     from hjcamp.configuration.saved_model import log_hashes
     from hjcamp.errors import counted
-    from hjcamp.report.discrepancy_page import heading, table_of
+    from hjcamp.report.pages.discrepancy_page import heading, table_of
 
     hashes = log_hashes(log.path for log in logs)
     whole = hashlib.sha256("\n".join(sorted(hashes.values())).encode()).hexdigest()

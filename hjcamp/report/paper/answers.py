@@ -9,12 +9,12 @@ from typing import Any
 
 from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.json_text import read_json
-from hjcamp.report.names import UNITS
 from hjcamp.report.paper.names import macro
 from hjcamp.report.paper.numbers import Quantity, of_estimate
 from hjcamp.report.paper.tables import plain_sheet
-from hjcamp.report.sheet import NO_TEST, Sheet
-from hjcamp.report.units import estimate_texts, label, number_like, plain
+from hjcamp.report.tables.sheet import NO_TEST, Sheet
+from hjcamp.report.wording.names import UNITS
+from hjcamp.report.wording.units import estimate_texts, label, number_like, plain
 
 
 def read_answer(path: Path) -> dict[str, Any]:

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from hjcamp.errors import UsageError, unknown
-from hjcamp.report.followed import ERROR, FOLLOWED, UNIT, WANTED
-from hjcamp.report.names import readable
 from hjcamp.report.pictures.conditions import BLUE, GRID, INK, RED, own_settings
 from hjcamp.report.pictures.dot_plot import Dots
-from hjcamp.report.spread import Condition
-from hjcamp.report.units import label
+from hjcamp.report.runs.followed import ERROR, FOLLOWED, UNIT, WANTED
+from hjcamp.report.runs.spread import Condition
+from hjcamp.report.wording.names import readable
+from hjcamp.report.wording.units import label
 from hjcamp.storage import whole_file
 
 FORMATS = ("pdf", "svg", "pgf")

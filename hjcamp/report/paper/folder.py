@@ -10,10 +10,6 @@ from typing import Any
 from hjcamp.errors import UsageError, unknown
 from hjcamp.known_plants import DEFAULT
 from hjcamp.report.against_run import Tests, tests_of
-from hjcamp.report.declared import declared_tables
-from hjcamp.report.formats import escape_latex
-from hjcamp.report.indicators import INDICATORS, row_of
-from hjcamp.report.origin import read_origin
 from hjcamp.report.paper.answers import quantities_of, read_answer, sheet_of
 from hjcamp.report.paper.cite import bibliography
 from hjcamp.report.paper.figures import (
@@ -30,11 +26,15 @@ from hjcamp.report.paper.names import MACROS, distinct, macro
 from hjcamp.report.paper.numbers import Quantity, macros, of_mean
 from hjcamp.report.paper.tables import paper_table
 from hjcamp.report.pictures.dot_plot import dots_of
-from hjcamp.report.sheet import Sheet, arrange, arrange_conditions
-from hjcamp.report.spread import Condition, Gathering
-from hjcamp.report.store import replace_file
-from hjcamp.report.tables import build_table, by_condition
-from hjcamp.report.varied import frame_with_varied
+from hjcamp.report.runs.indicators import INDICATORS, row_of
+from hjcamp.report.runs.origin import read_origin
+from hjcamp.report.runs.spread import Condition, Gathering
+from hjcamp.report.runs.varied import frame_with_varied
+from hjcamp.report.tables.aggregation import build_table, by_condition
+from hjcamp.report.tables.declared import declared_tables
+from hjcamp.report.tables.formats import escape_latex
+from hjcamp.report.tables.sheet import Sheet, arrange, arrange_conditions
+from hjcamp.report.tables.store import replace_file
 from hjcamp.storage import file_name, file_names
 
 #: From names of effects, and of a plant, to what has their docstrings.

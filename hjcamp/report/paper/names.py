@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from hjcamp.report.formats import escape_latex
-from hjcamp.report.names import readable
+from hjcamp.report.tables.formats import escape_latex
+from hjcamp.report.wording.names import readable
 
 TITLES = {
     "RMSE1": r"RMSE\textsubscript{1}",

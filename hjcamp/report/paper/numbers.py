@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from hjcamp.report.formats import escape_latex
-from hjcamp.report.units import decimals_of, shown
+from hjcamp.report.tables.formats import escape_latex
+from hjcamp.report.wording.units import decimals_of, shown
 
 #: Half a 95 % interval in standard uncertainties of a normal distribution.
 COVERAGE = 1.959964

@@ -6,11 +6,11 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from hjcamp.report.formats import escape_latex
-from hjcamp.report.names import readable
 from hjcamp.report.paper.names import header
 from hjcamp.report.paper.numbers import unit_latex
-from hjcamp.report.sheet import BESIDE, NO_TEST, Cell, Sheet
+from hjcamp.report.tables.formats import escape_latex
+from hjcamp.report.tables.sheet import BESIDE, NO_TEST, Cell, Sheet
+from hjcamp.report.wording.names import readable
 
 NEEDS = "% needs \\usepackage{amssymb,booktabs,siunitx}"
 #: Of small type (9 points), on average.

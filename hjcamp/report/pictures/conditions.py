@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hjcamp.model.language.field_unit import unit_of_field
-from hjcamp.report.spread import Condition, panels_known
+from hjcamp.report.runs.spread import Condition, panels_known
 
 # Colours of Okabe and Ito, told apart by colour-blind readers; the page puts its own shades in their place.
 INK = "#1b1f24"

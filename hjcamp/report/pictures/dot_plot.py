@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from hjcamp.report.names import readable
 from hjcamp.report.pictures.conditions import BLUE, GRID, INK, RED
 from hjcamp.report.pictures.drawing import draw, dress
+from hjcamp.report.wording.names import readable
 
 MOST_ROWS = 60
 ROW, FRAME = 0.24, 1.0

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.correlations import Correlation
 from hjcamp.report.pictures.conditions import BLUE, GREEN, GRID, INK, MODELS, PURPLE, RED
 from hjcamp.report.pictures.drawing import draw, dress
 from hjcamp.report.pictures.prediction import readable
+from hjcamp.report.tables.correlations import Correlation
 
 Array = NDArray[np.float64]
 SIZE = (4.8, 3.3)

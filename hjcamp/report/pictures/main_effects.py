@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjcamp.report.names import readable
 from hjcamp.report.pictures.conditions import BLUE, GRID, INK
 from hjcamp.report.pictures.dot_plot import TITLES
 from hjcamp.report.pictures.drawing import draw, dress
+from hjcamp.report.wording.names import readable
 
 if TYPE_CHECKING:
-    from hjcamp.report.factors import Factor
-    from hjcamp.report.welch import Sample
+    from hjcamp.report.tables.factors import Factor
+    from hjcamp.report.tables.welch import Sample
 
 CAPTION = (
     "thick: the mean over all combinations of the other axes, with its 95 % interval; thin: each combination; "
@@ -54,7 +54,7 @@ def _paint(panel: Any, factor: Factor, known: Mapping[str, Sample]) -> None:
 
 def _mean(factor: Factor, value: str, known: Mapping[str, Sample]) -> tuple[float, float]:
     """Return the mean of a value over all combinations, and half its 95 % interval (0 where there is none)."""
-    from hjcamp.report.welch import Sample, contrast
+    from hjcamp.report.tables.welch import Sample, contrast
 
     there = [known[by[value]] for by in factor.conditions.values() if by.get(value) in known]
     if not there:

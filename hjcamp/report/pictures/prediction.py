@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hjcamp.report.pictures.conditions import INK, MODELS
 from hjcamp.report.pictures.drawing import draw, dress
-from hjcamp.report.units import unit_for
+from hjcamp.report.wording.units import unit_for
 
 Array = NDArray[np.float64]
 FARTHEST = 3.0

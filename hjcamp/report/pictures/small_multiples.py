@@ -9,9 +9,9 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.followed import FOLLOWED, WANTED
-from hjcamp.report.names import readable
-from hjcamp.report.spread import Condition, Spread, stretches
+from hjcamp.report.runs.followed import FOLLOWED, WANTED
+from hjcamp.report.runs.spread import Condition, Spread, stretches
+from hjcamp.report.wording.names import readable
 
 Array = NDArray[np.float64]
 WIDE, HIGH, MOST_POINTS = 150.0, 54.0, 150

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.analyses.data import Data, Report, silent
 from hjcamp.analyses.diagnosing import MOST_WORKERS, Asked, check_asked, considered, own_and_asked, with_asked
 from hjcamp.plants.pump_joint.analyses.evidence import evidence_in
-from hjcamp.report.floor_words import NEAR
+from hjcamp.report.wording.repeatability import NEAR
 
 if TYPE_CHECKING:
     from hjcamp.model.declare.effect import Effect

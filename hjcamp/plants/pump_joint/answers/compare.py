@@ -43,7 +43,7 @@ def compare(data: Data, names: list[str], json: Path | None, into: Path | None, 
 
 def next_commands(found: Comparison, paths: list[Path]) -> list[str]:
     """Return the commands that go on: use a model that is good, else say what it misses."""
-    from hjcamp.report.floor_words import NEAR
+    from hjcamp.report.wording.repeatability import NEAR
 
     last = found.models[-1]
     name, good = last.replay.name, last.score <= NEAR and last.replay.evidence.repeated

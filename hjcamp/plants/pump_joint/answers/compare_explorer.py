@@ -9,13 +9,13 @@ if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.diagnosis.compare import Comparison
     from hjcamp.plants.pump_joint.diagnosis.residuals.replay import Replay
     from hjcamp.records.views.model_log import ModelledTest
-    from hjcamp.report.exploration import Exploration
+    from hjcamp.report.pages.exploration import Exploration
 
 
 def exploration_of(found: Comparison) -> Exploration:
     """Return every test with all logged channels, all models, and each model without one of its effects (off at first)."""
     from hjcamp.records.log import observed
-    from hjcamp.report.exploration import Exploration
+    from hjcamp.report.pages.exploration import Exploration
 
     replays = _replays(found)
     floors = {name: error.floor for name, error in replays[0].errors.items() if error}
@@ -37,7 +37,7 @@ def tests_of(found: Comparison) -> Iterator[ModelledTest]:
     from hjcamp.plants.pump_joint.diagnosis.measured.signals import STRIDE
     from hjcamp.plants.pump_joint.diagnosis.residuals.replay import CHANNELS
     from hjcamp.records.views.model_log import ModelledTest
-    from hjcamp.report.exploration import NOT_CHANNELS, names_of
+    from hjcamp.report.pages.exploration import NOT_CHANNELS, names_of
 
     replays = _replays(found)
     evidence = replays[0].evidence

@@ -20,7 +20,7 @@ HEADINGS = ("model", "channel", "error", "noise floor", "error / noise floor", "
 
 def error_cells(one: Compared, name: str) -> list[str]:
     """Return the cells of one channel of one model: what it is, error, floor, error over noise floor, r2."""
-    from hjcamp.report.units import label
+    from hjcamp.report.wording.units import label
 
     error = one.errors[name]
     if error is None:
@@ -38,7 +38,7 @@ def error_cells(one: Compared, name: str) -> list[str]:
 
 def calibrated_in_words(found: Comparison) -> list[str]:
     """Return the sentences of the places that the calibrated model leaves, first of all where it is the worse one."""
-    from hjcamp.report.floor_words import worse_calibrated
+    from hjcamp.report.wording.repeatability import worse_calibrated
 
     if not found.calibrated:
         return []
@@ -66,11 +66,11 @@ def write_pictures(found: Comparison, folder: Path, following: Sequence[str] = (
     from hjcamp.plants.pump_joint.answers.compare_map import PALE_SAID, maps_of
     from hjcamp.plants.pump_joint.answers.error_words import over_words
     from hjcamp.plants.pump_joint.figures.discrepancy import HorizonCurve, draw_horizon, draw_overlay
-    from hjcamp.report import discrepancy_page as page
-    from hjcamp.report.explorer import explorer_html
-    from hjcamp.report.floor_words import NO_FLOOR
-    from hjcamp.report.names import readable
+    from hjcamp.report.pages import discrepancy_page as page
+    from hjcamp.report.pages.explorer import explorer_html
     from hjcamp.report.pictures.drawing import draw_errors
+    from hjcamp.report.wording.names import readable
+    from hjcamp.report.wording.repeatability import NO_FLOOR
     from hjcamp.storage import whole_file
 
     models, last, calibrated = found.models, found.models[-1], found.calibrated

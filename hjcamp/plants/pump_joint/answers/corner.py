@@ -13,7 +13,7 @@ def fitted_parameters(local: Local) -> tuple[list[Estimate], Any]:
     """Return every fitted parameter of a fit, and how the curvature of its loss correlates them (k, k)."""
     from hjcamp.commands.shared.corner import Estimate
     from hjcamp.report.pictures.corner import correlation_of
-    from hjcamp.report.units import label
+    from hjcamp.report.wording.units import label
 
     intervals = local.intervals()
     found = []

@@ -53,7 +53,7 @@ def _say_what_is_lacking(console: Console, evidence: Evidence) -> None:
     """Say before anything is computed what these tests lack: for a verdict, and for a floor."""
     from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.plants.pump_joint.diagnosis.selection.verdict import lacks
-    from hjcamp.report.floor_words import NO_FLOOR
+    from hjcamp.report.wording.repeatability import NO_FLOOR
 
     lacking = [f"{one[:1].upper()}{one[1:]}." for one in lacks(evidence)]
     if lacking:

@@ -56,10 +56,10 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path, 
     from hjcamp.commands.shared.page_end import made_from, next_steps
     from hjcamp.plants.pump_joint.answers.diagnose_words import CALIBRATED, CANDIDATES, LEFT
     from hjcamp.plants.pump_joint.answers.error_words import error_table, over
-    from hjcamp.report import discrepancy_page as page
-    from hjcamp.report.floor_words import NO_FLOOR, worst_table
-    from hjcamp.report.units import label
-    from hjcamp.report.units import told as told_value
+    from hjcamp.report.pages import discrepancy_page as page
+    from hjcamp.report.wording.repeatability import NO_FLOOR, worst_table
+    from hjcamp.report.wording.units import label
+    from hjcamp.report.wording.units import told as told_value
 
     answer = told.answer()
     scale = told.judging.scale

@@ -11,9 +11,9 @@ from hjcamp.plants.pump_joint.analyses.diagnosing import Diagnosed, looks_at_fin
 from hjcamp.plants.pump_joint.answers.error_words import over
 from hjcamp.plants.pump_joint.answers.where_words import where_sentences
 from hjcamp.plants.pump_joint.diagnosis.levels import CERTAIN, LEVEL, best_gains
-from hjcamp.report.chance_words import p_words
-from hjcamp.report.floor_words import worse_calibrated, worst_words
-from hjcamp.report.units import label, plain, told, told_estimate, told_interval, told_like
+from hjcamp.report.wording.chance import p_words
+from hjcamp.report.wording.repeatability import worse_calibrated, worst_words
+from hjcamp.report.wording.units import label, plain, told, told_estimate, told_interval, told_like
 
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.diagnosis.scale import Judged

@@ -27,7 +27,7 @@ OVER_SPREAD = "error / spread of the measurement, geometric mean of arm and line
 
 def in_unit(value: float, channel: str) -> str:
     """Return a value of a channel as people read it."""
-    from hjcamp.report.units import plain
+    from hjcamp.report.wording.units import plain
 
     scale, unit = CHANNELS[channel]
     return f"{plain(value * scale)} {unit}"
@@ -45,7 +45,7 @@ def over_words(repeated: bool) -> str:
 
 def error_table(models: Sequence[tuple[str, Judged]], scale: Scale) -> tuple[list[str], list[list[str]]]:
     """Return headings and rows: channels, then the score; a column for each model that did not run away, and the floor."""
-    from hjcamp.report.units import label
+    from hjcamp.report.wording.units import label
 
     shown = [(name, one) for name, one in models if math.isfinite(one.score)]
     rows = []
@@ -86,7 +86,7 @@ def print_errors(console: Console, models: Sequence[tuple[str, Judged]], scale: 
 
 def worse_than_mean(errors: Mapping[str, ChannelError | None]) -> list[str]:
     """Return in words which channels a model predicts worse than their own mean would: its r2 is below 0."""
-    from hjcamp.report.units import label
+    from hjcamp.report.wording.units import label
 
     told = [f"{label(name)} ({one.r2:.2g})" for name, one in errors.items() if one and one.r2 is not None and one.r2 < 0]
     if not told:

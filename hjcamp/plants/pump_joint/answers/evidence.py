@@ -122,7 +122,7 @@ def _worst_test(found: Diagnosis, shown: Shown) -> tuple[Any, ...]:
 
     In the channel whose error falls most with what was named, the arm where nothing was.
     """
-    from hjcamp.report.names import readable
+    from hjcamp.report.wording.names import readable
 
     evidence = found.features.evidence
     k, errors = blamed_channel(found, shown)
@@ -157,7 +157,7 @@ def _correlations(found: Diagnosis, shown: Shown) -> tuple[list[tuple[str, Any]]
 
     Of the channel that is to blame (`blamed_channel`); between repetitions of what the last model leaves.
     """
-    from hjcamp.report.correlations import correlations, of_repetitions
+    from hjcamp.report.tables.correlations import correlations, of_repetitions
 
     evidence = found.features.evidence
     parts = [slice(int(a), int(b)) for a, b in zip(evidence.edges[:-1], evidence.edges[1:], strict=True)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-from hjcamp.report.floor_words import NEAR, NO_FLOOR
+from hjcamp.report.wording.repeatability import NEAR, NO_FLOOR
 
 TELLING = 0.05
 UNEVEN = 1.5

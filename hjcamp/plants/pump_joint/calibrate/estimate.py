@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.units import decimals_of, rounded
+from hjcamp.report.wording.units import decimals_of, rounded
 
 Array = NDArray[np.float64]
 LEVEL = 0.95

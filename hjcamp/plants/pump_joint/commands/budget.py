@@ -106,7 +106,7 @@ def _print(name: str, items: list[Item], share: float) -> None:
     from rich.table import Table
 
     from hjcamp.campaign.console import make_console
-    from hjcamp.report.sheet import with_deviation
+    from hjcamp.report.tables.sheet import with_deviation
 
     table = Table(title=f"{name}: each part down to {share:g} of what it is", title_justify="left", box=None, pad_edge=False)
     headings = ("part made better", "RMSE1, gains kept", "RMSE1, tuned again", "|e|max, best", "change")

@@ -64,7 +64,7 @@ def show_formulas() -> dict[str, Any]:
 
     from hjcamp.campaign.console import make_console
     from hjcamp.plants.pump_joint.sizing.reference import decimals, quantities
-    from hjcamp.report.units import plain
+    from hjcamp.report.wording.units import plain
 
     found = quantities()
     table = Table(box=None, header_style="bold", pad_edge=False)

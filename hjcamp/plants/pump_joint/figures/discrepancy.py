@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.report.names import readable
 from hjcamp.report.pictures.conditions import BLUE, GRID, INK, MODELS
 from hjcamp.report.pictures.drawing import draw, dress
+from hjcamp.report.wording.names import readable
 
 Array = NDArray[np.float64]
 LABELS = ("Arm angle (deg)", "Pressure 1 (MPa)", "Pressure 2 (MPa)")

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any, Protocol
 
-from hjcamp.report.page import SHADES
+from hjcamp.report.pages.page import SHADES
+from hjcamp.report.pages.template import page_of
 from hjcamp.report.pictures.conditions import BLUE, GREEN, GRID, INK, RED, SETTINGS, own_settings, tidy
-from hjcamp.report.template import page_of
 
 COLOURS = (BLUE, RED, GREEN, INK)
 SIZE = (7.4, 3.4)

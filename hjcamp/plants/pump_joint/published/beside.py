@@ -10,7 +10,7 @@ import polars as pl
 from hjcamp.plants.pump_joint.published.values import CAMPAIGNS, CONDITION, MEASURED_WITH, cell_key, published_cells
 
 if TYPE_CHECKING:
-    from hjcamp.report.sheet import Sheet
+    from hjcamp.report.tables.sheet import Sheet
 
 __all__ = ["CAMPAIGNS", "CONDITION", "MEASURED_WITH", "beside_refit", "cell_key", "published_cells", "standing"]
 

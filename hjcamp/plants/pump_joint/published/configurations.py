@@ -15,7 +15,7 @@ from hjcamp.configuration.search_path import packaged_root
 from hjcamp.controllers import load_controllers
 from hjcamp.known_plants import OWN_PLANTS
 from hjcamp.plants.pump_joint.published.values import CAMPAIGNS, CONDITION, cell_key
-from hjcamp.report.settings import difference
+from hjcamp.report.runs.settings import difference
 
 #: Parameters of controllers that came later; a log without them was made as by their defaults.
 LATER = ("bumpless",)

@@ -10,7 +10,7 @@ from typing import Any
 import polars as pl
 
 from hjcamp.plants.pump_joint.published.values import cell_key
-from hjcamp.report.sheet import TITLES, Cell, Sheet
+from hjcamp.report.tables.sheet import TITLES, Cell, Sheet
 
 #: The answer of the diagnosis from which model `refit` was saved: written by `make thesis_gap`, never by hand.
 VALUES = Path(__file__).with_name("refit.json")
@@ -34,7 +34,7 @@ def refitted_means() -> dict[tuple[str, ...], float]:
 
 
 def beside_refit(conditions: pl.DataFrame) -> Sheet | None:
-    """Return the frame of `hjcamp.report.tables.by_condition` beside the refitted means; None where nothing compares."""
+    """Return the frame of `hjcamp.report.tables.aggregation.by_condition` beside the refitted means; None where nothing compares."""
     found, body = refitted_means(), []
     for row in conditions.iter_rows(named=True):
         cells = [_cells(row, found.get((*cell_key(row), name)), name) for name in SHOWN]

@@ -47,7 +47,7 @@ def printed_rows() -> pl.DataFrame:
 
 def measured_indicators() -> pl.DataFrame:
     """Return the measured repetitions as an indicators frame: one row per test, inputs rounded to 0.1 deg."""
-    from hjcamp.report.indicators import STANDING, frame_of
+    from hjcamp.report.runs.indicators import STANDING, frame_of
 
     tests: dict[tuple[str, ...], dict[str, Any]] = {}
     for printed in printed_rows().iter_rows(named=True):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from hjcamp.report.indicators import INDICATORS
+from hjcamp.report.runs.indicators import INDICATORS
 
 Array = NDArray[np.float64]
 #: Error that a model of the right form may have: this share of an indicator, and for a mean error this angle, deg. It is

@@ -17,7 +17,7 @@ from hjcamp.plants.pump_joint.tables.question import Question
 from hjcamp.plants.pump_joint.tables.rig import LOST
 from hjcamp.records.log import TestLog
 from hjcamp.records.plan import seed_of
-from hjcamp.report.indicators import CHOICES, INDICATORS, indicators_of
+from hjcamp.report.runs.indicators import CHOICES, INDICATORS, indicators_of
 
 
 def compare(

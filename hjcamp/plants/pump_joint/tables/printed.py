@@ -9,8 +9,8 @@ import numpy as np
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.plants.pump_joint.tables.cells import SIMULATED, Cells
-from hjcamp.report.indicators import INDICATORS
-from hjcamp.report.published import published_cells
+from hjcamp.report.runs.indicators import INDICATORS
+from hjcamp.report.runs.published import published_cells
 
 #: What names a row of the printed tables; every other choice was the same in all measured tests.
 KEYS = ("trajectory", "controller", "payload", "orientation")

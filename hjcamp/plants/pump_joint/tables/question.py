@@ -15,7 +15,7 @@ from hjcamp.plants.pump_joint.tables.cells import Cells
 from hjcamp.plants.pump_joint.tables.printed import CAMPAIGNS, campaigns_of, check_names, printed_cells
 from hjcamp.plants.pump_joint.tables.table_file import DEVIATION, TESTS, matching, read_table
 from hjcamp.records.plan import Condition
-from hjcamp.report.indicators import CHOICES, INDICATORS
+from hjcamp.report.runs.indicators import CHOICES, INDICATORS
 
 #: Fewer cells, or fewer conditions, do not hold the base parameters, let alone more.
 FEWEST_CELLS, FEWEST_CONDITIONS = 8, 3

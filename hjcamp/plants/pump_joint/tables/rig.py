@@ -23,7 +23,7 @@ from hjcamp.plants.pump_joint.loop import JointSimulator
 from hjcamp.plants.pump_joint.procedure import CONTROL
 from hjcamp.plants.pump_joint.simulation import DEGREE, PreparedTest, prepare
 from hjcamp.records.plan import Condition, seed_of
-from hjcamp.report.indicators import INDICATORS, error_indicators
+from hjcamp.report.runs.indicators import INDICATORS, error_indicators
 
 Array = NDArray[np.float64]
 Settings = Mapping[str, float]

@@ -13,7 +13,7 @@ import numpy as np
 
 from hjcamp.errors import UsageError, nearest, shown, unknown
 from hjcamp.plants.pump_joint.tables.cells import SIMULATED, Cells
-from hjcamp.report.indicators import INDICATORS
+from hjcamp.report.runs.indicators import INDICATORS
 
 DEVIATION = "_deviation"
 TESTS = "tests"

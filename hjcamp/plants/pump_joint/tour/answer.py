@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.errors import counted
 from hjcamp.plants.pump_joint.tour.samples import SEALED, sealed_answer
-from hjcamp.report.units import estimate_texts, number_like, told_interval
+from hjcamp.report.wording.units import estimate_texts, number_like, told_interval
 
 if TYPE_CHECKING:
     from rich.console import Console

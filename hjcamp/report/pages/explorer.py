@@ -8,7 +8,7 @@ from html import escape
 from importlib import resources
 from pathlib import Path
 
-from hjcamp.report.exploration import Exploration
+from hjcamp.report.pages.exploration import Exploration
 
 HERE = Path(__file__).parent
 KEYS = (

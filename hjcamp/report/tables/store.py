@@ -8,7 +8,7 @@ from pathlib import Path
 
 import polars as pl
 
-from hjcamp.report.formats import escape_csv
+from hjcamp.report.tables.formats import escape_csv
 from hjcamp.storage import whole_file
 
 

@@ -20,8 +20,8 @@ def worst_words(rows: Sequence[Mapping[str, Any]], over: str, most: int = 3) -> 
 
     ``rows`` are those of an answer (condition, channel, over_floor, shared, unit, at), the worst first.
     """
-    from hjcamp.report.exploration import channel_label
-    from hjcamp.report.units import plain, told
+    from hjcamp.report.wording.channels import channel_label
+    from hjcamp.report.wording.units import plain, told
 
     firsts = {row["condition"]: row for row in reversed(rows)}
     chosen = sorted(firsts.values(), key=lambda row: -row["over_floor"])[:most]
@@ -36,9 +36,9 @@ def worst_words(rows: Sequence[Mapping[str, Any]], over: str, most: int = 3) -> 
 
 def worst_table(rows: Sequence[Mapping[str, Any]]) -> tuple[tuple[str, ...], list[list[str]]]:
     """Return the headings and rows of a table of the conditions that err most; what repetitions share where there are any."""
-    from hjcamp.report.exploration import channel_label
-    from hjcamp.report.names import readable
-    from hjcamp.report.units import told
+    from hjcamp.report.wording.channels import channel_label
+    from hjcamp.report.wording.names import readable
+    from hjcamp.report.wording.units import told
 
     repeated = any(row["shared"] is not None for row in rows)
     columns = [

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
-from hjcamp.report.glossary import glossed, words_of
-from hjcamp.report.page import shaded
+from hjcamp.report.pages.page import shaded
+from hjcamp.report.pages.template import page_of
 from hjcamp.report.pictures.conditions import tidy
-from hjcamp.report.template import page_of
+from hjcamp.report.wording.glossary import glossed, words_of
 
 PLACES = 8
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 
 from hjcamp.errors import visible
-from hjcamp.report.sheet import Cell, Sheet
+from hjcamp.report.tables.sheet import Cell, Sheet
 
 FORMULAS = tuple("=+-@\t\r")
 NUMBER = re.compile(r"[+-]?[\d.]+(?:[eE][+-]?\d+)?")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hjcamp.report.units import plain
+from hjcamp.report.wording.units import plain
 
 
 def p_words(p_value: float, replicates: int) -> str:

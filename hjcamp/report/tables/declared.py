@@ -9,7 +9,7 @@ from typing import Any
 
 from hjcamp.configuration.search_path import group_folders
 from hjcamp.errors import UsageError, unknown
-from hjcamp.report.indicators import CHOICES, FURTHER, INDICATORS
+from hjcamp.report.runs.indicators import CHOICES, FURTHER, INDICATORS
 from hjcamp.yaml_file import read_yaml
 
 

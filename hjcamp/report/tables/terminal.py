@@ -12,8 +12,8 @@ from rich.table import Table
 from rich.text import Text
 
 from hjcamp.errors import visible
-from hjcamp.report.sheet import BESIDE, Cell, Sheet, arrange_conditions
-from hjcamp.report.tables import by_condition
+from hjcamp.report.tables.aggregation import by_condition
+from hjcamp.report.tables.sheet import BESIDE, Cell, Sheet, arrange_conditions
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType

@@ -7,7 +7,7 @@ from html import escape
 from typing import Any
 
 from hjcamp.errors import counted
-from hjcamp.report.discrepancy_page import discrepancy_page
+from hjcamp.report.pages.discrepancy_page import discrepancy_page
 
 # Text sorts as text with numbers in it, so that 10 comes after 9.
 SCRIPT = """<script>

@@ -8,11 +8,11 @@ from typing import Any
 
 import polars as pl
 
-from hjcamp.report.indicators import INDICATORS
-from hjcamp.report.origin import RunOrigin
-from hjcamp.report.sheet import TITLES, Cell, Sheet, with_own_deviation
-from hjcamp.report.varied import SEPARATOR, labels_of
-from hjcamp.report.welch import SIGNIFICANT, Sample, contrast, holm
+from hjcamp.report.runs.indicators import INDICATORS
+from hjcamp.report.runs.origin import RunOrigin
+from hjcamp.report.runs.varied import SEPARATOR, labels_of
+from hjcamp.report.tables.sheet import TITLES, Cell, Sheet, with_own_deviation
+from hjcamp.report.tables.welch import SIGNIFICANT, Sample, contrast, holm
 
 ALL = "mean of all"
 MOST_ROWS = 16

@@ -38,7 +38,7 @@ def indicators_of(log: TestLog) -> dict[str, Any]:
     row["seed"] = _whole_number(log.metadata.get("seed"))
     row |= error_indicators(log.command_phase, row["trajectory"] or "")
     row |= line_indicators(log, configuration(log.attachments.get("config.yaml", b"")))
-    from hjcamp.report.published import cell_key
+    from hjcamp.report.runs.published import cell_key
 
     # another plant has no such groups: its printed cells are those of a bare, horizontal joint
     bare = {"payload": "none", "orientation": "horizontal"} if log.metadata.get(PLANT_KEY) else {}
@@ -59,7 +59,7 @@ def _named(group: object) -> str | None:
 
 @lru_cache(maxsize=1024)
 def _standing(attachment: bytes, *cell: str) -> list[dict[str, str]]:
-    from hjcamp.report.published import standing
+    from hjcamp.report.runs.published import standing
 
     return standing(configuration(attachment), cell)
 

@@ -9,13 +9,13 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from hjcamp.report.names import readable
+from hjcamp.report.pages.template import html, pieces_of
 from hjcamp.report.pictures import conditions as figures
 from hjcamp.report.pictures.conditions import tidy
 from hjcamp.report.pictures.small_multiples import small_multiples
-from hjcamp.report.sheet import BESIDE, Cell, Sheet
-from hjcamp.report.spread import Condition
-from hjcamp.report.template import html, pieces_of
+from hjcamp.report.runs.spread import Condition
+from hjcamp.report.tables.sheet import BESIDE, Cell, Sheet
+from hjcamp.report.wording.names import readable
 
 #: The page's own shades, which follow light and dark, in place of the colours of the drawing.
 SHADES = {

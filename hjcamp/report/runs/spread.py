@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hjcamp.known_plants import usual_plant
 from hjcamp.records.log import observed
 from hjcamp.records.of_plant import PLANT_KEY
-from hjcamp.report.followed import ERROR, FOLLOWED, WANTED
+from hjcamp.report.runs.followed import ERROR, FOLLOWED, WANTED
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog

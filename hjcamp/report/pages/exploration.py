@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.errors import UsageError, counted
-from hjcamp.model.language.field_unit import unit_of_field
-from hjcamp.report.names import readable
-from hjcamp.report.units import label, unit_for
+from hjcamp.report.wording.channels import described
+from hjcamp.report.wording.names import readable
+from hjcamp.report.wording.units import unit_for
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
@@ -141,22 +141,6 @@ class Exploration:
         place, self._points = self._points, self._points + len(steps)
         factor = self._factors[channel]
         return {"model": model, "channel": channel, "at": place, "low": low * factor, "per": span / STEPS * factor}
-
-
-def described(channel: str, where: str) -> dict[str, Any]:
-    """Return name, label and unit of a channel as people read them; a name without a unit is refused."""
-    unit = unit_of_field(channel, where)
-    said = label(channel)
-    return {
-        "name": channel,
-        "label": label(channel.removesuffix(f"_{unit.suffix}")) if said == channel.replace("_", " ") else said,
-        "unit": "" if unit.shown == "1" else unit.shown,
-    }
-
-
-def channel_label(channel: str) -> str:
-    """Return the name of a channel as people read it, without its unit: ``position_m`` is ``position``."""
-    return str(described(channel, "a channel")["label"])
 
 
 def references(columns: Channels) -> dict[str, Array]:

@@ -11,9 +11,9 @@ from html import escape
 from hjcamp.model.declare.effect import Effect
 from hjcamp.model.declare.parameter import Parameter
 from hjcamp.model.files.docstring import docstring_sentence
-from hjcamp.report import discrepancy_page as page
-from hjcamp.report.mathml import mathml
-from hjcamp.report.units import shown
+from hjcamp.report.pages import discrepancy_page as page
+from hjcamp.report.wording.mathml import mathml
+from hjcamp.report.wording.units import shown
 
 PARAMETERS = ("parameter", "unit", "default", "bounds", "absent at", "meaning")
 LABELS = ("Seen as", "Not for", "Source", "Sources", "Valid")

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.report.indicators import CHOICES, COLUMNS, IDENTITY, configuration, frame_of, row_of
-from hjcamp.report.settings import leaves
+from hjcamp.report.runs.indicators import CHOICES, COLUMNS, IDENTITY, configuration, frame_of, row_of
+from hjcamp.report.runs.settings import leaves
 
 if TYPE_CHECKING:
     import polars as pl

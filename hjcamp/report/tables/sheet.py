@@ -10,12 +10,12 @@ from typing import Any, Literal
 
 import polars as pl
 
-from hjcamp.report.declared import Column, TableDefinition
-from hjcamp.report.indicators import CHOICES, FURTHER, INDICATORS
-from hjcamp.report.published import CONDITION, MEASURED_WITH, published_cells
-from hjcamp.report.tables import FAR_OFF, differences
-from hjcamp.report.units import decimals_of, rounded
-from hjcamp.report.welch import SIGNIFICANT
+from hjcamp.report.runs.indicators import CHOICES, FURTHER, INDICATORS
+from hjcamp.report.runs.published import CONDITION, MEASURED_WITH, published_cells
+from hjcamp.report.tables.aggregation import FAR_OFF, differences
+from hjcamp.report.tables.declared import Column, TableDefinition
+from hjcamp.report.tables.welch import SIGNIFICANT
+from hjcamp.report.wording.units import decimals_of, rounded
 
 TITLES = {
     "rmse1_deg": "RMSE1", "rmse2_deg": "RMSE2", "e_max_deg": "|e|max", "sse_deg": "SSE", "pressure_low_mpa": "lowest, MPa",
@@ -51,7 +51,7 @@ class Sheet:
 
 
 def arrange(table: pl.DataFrame, definition: TableDefinition) -> Sheet:
-    """Return a declared table (of `hjcamp.report.tables.build_table`) as a sheet."""
+    """Return a declared table (of `hjcamp.report.tables.aggregation.build_table`) as a sheet."""
     rows = table.to_dicts()
     if definition.across:
         sheet = _arrange_across(rows, definition, _shown_keys(table, definition))
@@ -61,7 +61,7 @@ def arrange(table: pl.DataFrame, definition: TableDefinition) -> Sheet:
 
 
 def arrange_conditions(table: pl.DataFrame, notes: Sequence[str] = ()) -> Sheet:
-    """Return the frame of `hjcamp.report.tables.by_condition` as a sheet: only the choices that vary."""
+    """Return the frame of `hjcamp.report.tables.aggregation.by_condition` as a sheet: only the choices that vary."""
     names = [name for name in INDICATORS if table[f"{name}_mean"].is_not_null().any()]
     return _of_conditions(
         table,
@@ -73,7 +73,7 @@ def arrange_conditions(table: pl.DataFrame, notes: Sequence[str] = ()) -> Sheet:
 
 
 def arrange_lines(table: pl.DataFrame) -> list[Sheet]:
-    """Return the frame of `hjcamp.report.tables.lines_by_condition` as a sheet; none where no log holds pressures."""
+    """Return the frame of `hjcamp.report.tables.aggregation.lines_by_condition` as a sheet; none where no log holds pressures."""
     names = [name for name in FURTHER if table[f"{name}_mean"].is_not_null().any()]
     note = "Of both lines in the command phase; the share is rms(feedforward) / (rms(feedforward) + rms(feedback))."
     return [_of_conditions(table, "lines", "Line pressure and command", names, [note])] if names else []

@@ -8,9 +8,9 @@ from typing import Any, Protocol
 
 import polars as pl
 
-from hjcamp.report.declared import TableDefinition
-from hjcamp.report.indicators import CHOICES, FURTHER, INDICATORS, STANDING, varied_columns
-from hjcamp.report.published import CAMPAIGNS, CONDITION, MEASURED_WITH, cell_key, published_cells
+from hjcamp.report.runs.indicators import CHOICES, FURTHER, INDICATORS, STANDING, varied_columns
+from hjcamp.report.runs.published import CAMPAIGNS, CONDITION, MEASURED_WITH, cell_key, published_cells
+from hjcamp.report.tables.declared import TableDefinition
 
 #: From how many published deviations on a difference is marked.
 FAR_OFF = 2.0

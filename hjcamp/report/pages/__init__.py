@@ -1,0 +1,1 @@
+"""The HTML pages, from templates and with the explorer of their tests."""

@@ -1,0 +1,1 @@
+"""Indicators as tables: declared, aggregated, arranged, compared, and written in each format."""

@@ -1,0 +1,1 @@
+"""How a report shows numbers with their units, names, words and equations."""
