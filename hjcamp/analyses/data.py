@@ -60,7 +60,7 @@ class Data:
 
         check_users_plant(self.plant)
         sound = sound_logs(self.logs)
-        found = measured_tests(sound.logs, sound.copies, sound.odd)
+        found = measured_tests(sound.logs, sound.copies, sound.odd, sound.missing)
         print(sound.doubtful, end="", file=sys.stderr)
         if note := other_period(self.plant, found.period):
             print(note, file=sys.stderr)
@@ -69,27 +69,29 @@ class Data:
 
 @dataclass(frozen=True)
 class Sound:
-    """The ``logs`` that count, a line for each field that is ``doubtful``, the ``copies`` that were left out with their originals, and
-    what makes any conclusion ``odd``: logs that differ from their repetitions.
+    """The ``logs`` that count, a line for each field that is ``doubtful``, the ``copies`` that were left out with their originals,
+    logs that differ from their repetitions, which make any conclusion ``odd``, and those left out for a field that is ``missing``.
     """
 
     logs: list[TestLog]
     doubtful: str
     copies: tuple[tuple[str, str], ...]
     odd: tuple[str, ...]
+    missing: tuple[tuple[str, str], ...]
 
 
 def sound_logs(logs: Sequence[TestLog]) -> Sound:
     """Return the logs without copies, and what is doubtful in them, each and as a set; refuse what cannot be."""
-    from hjcamp.records.sets.look import refuse_odd
+    from hjcamp.records.sets.look import lines_of, refuse_odd
 
     lines = _doubtful_lines(logs)
     found = refuse_odd(logs)
-    left_out = {id(one.log) for one in found if one.original is not None}
+    left_out = {id(one.log) for one in found if one.original is not None or one.left_out}
     copies = tuple((str(one.log.path), str(one.original.path)) for one in found if one.original is not None)
     odd = tuple(f"{one.log.path}: {one.finding.text}" for one in found if one.odd)
-    lines += "".join(f"{one.line}\n" for one in found)
-    return Sound([log for log in logs if id(log) not in left_out], lines, copies, odd)
+    missing = tuple((str(one.log.path), one.finding.field) for one in found if one.left_out)
+    lines += "".join(f"{line}\n" for line in lines_of(found))
+    return Sound([log for log in logs if id(log) not in left_out], lines, copies, odd, missing)
 
 
 def _doubtful_lines(logs: Sequence[TestLog]) -> str:

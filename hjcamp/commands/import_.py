@@ -65,7 +65,7 @@ def import_table(
     from hjcamp.records.elsewhere.importing import import_files
     from hjcamp.records.of_plant import PERIOD_KEY
     from hjcamp.records.read import read_log
-    from hjcamp.records.sets.look import look_at
+    from hjcamp.records.sets.look import lines_of, look_at
 
     check_answer_file(json)
     targets = targets_of(files, into, output)
@@ -87,8 +87,8 @@ def import_table(
         print(f"{target}: {counted(log.samples, 'sample')}, {log.duration:.3f} s, fields {' '.join(log.fields)}")
         if target in left:
             print(f"  {target.name}.part, left by an import that was cut off, is gone")
-    for again in look_at([read_log(target) for target in targets]):
-        print(again.line, file=sys.stderr)
+    for line in lines_of(look_at([read_log(target) for target in targets])):
+        print(line, file=sys.stderr)
     if "diagnose" not in rules.plant.rooms:
         for target, log in zip(targets, logs, strict=True):
             if log.samples < FEWEST_SAMPLES:

@@ -93,7 +93,6 @@ def build_report(
     read, an unknown ``against`` or table, or a baseline that has no condition of this run.
     """
     from hjcamp.records.find import refuse_mixed_plants, tell
-    from hjcamp.records.log import observed
     from hjcamp.records.run_folder import refuse_links_out
     from hjcamp.records.stored import stored_logs
 
@@ -117,15 +116,14 @@ def build_report(
         raise UsageError(f"{run_dir}: there are no test logs to report on")
     refuse_mixed_plants(found)
     found = in_plan_order(found, origin)
-    shown = Exploration(len(found), [REFERENCE], observed=observed(found))
     baseline = read_tests(Path(against)) if against is not None and against not in AGAINST else None
-    indicators, spreads, in_sets = _condensed(found, origin, run_dir, shown)
+    indicators, spreads, in_sets, shown = _condensed(found, origin, run_dir)
     for one in in_sets:
         line = f"{one.log.path} {one.finding.text}"
         if counts_not(one):
             leave_out(line)
             found.remove(one.log)
-        elif one.odd:
+        elif one.odd or one.missing:
             tell(line)
             doubtful.append(line.replace(f"{run_dir}{os.sep}", ""))
     beside: str | RunComparison | None = against
@@ -210,15 +208,19 @@ def in_plan_order(logs: Sequence[TestLog], origin: RunOrigin) -> list[TestLog]:
 
 
 def _condensed(
-    logs: Sequence[TestLog], origin: RunOrigin, folder: Path, shown: Exploration
-) -> tuple[pl.DataFrame, list[Condition], list[InSet]]:
-    """Return the indicators of all logs, the spread of each condition, what its logs say as a set, and fill what is ``shown``.
+    logs: Sequence[TestLog], origin: RunOrigin, folder: Path
+) -> tuple[pl.DataFrame, list[Condition], list[InSet], Exploration]:
+    """Return the indicators of all logs, the spread of each condition, what the logs say as a set, and what the explorer shows.
 
-    Copies are left out. The logs of one condition are read once and let go.
+    Copies are left out. The logs of one condition are read once and let go, all once more without those that are copies of a log of
+    another condition.
     """
-    from hjcamp.records.sets.look import look_at
+    from hjcamp.records.log import observed
+    from hjcamp.records.sets.glance import Glance, glance_at
+    from hjcamp.records.sets.look import look_across, look_at_condition
     from hjcamp.records.stored import kept
 
+    shown = Exploration(len(logs), [REFERENCE], observed=observed(logs))
     names = names_of(logs)
     groups: dict[str, list[int]] = {}
     for place, log in enumerate(logs):
@@ -226,18 +228,30 @@ def _condensed(
     rows: dict[int, dict[str, Any]] = {}
     spreads = []
     in_sets: list[InSet] = []
+    glances: list[Glance] = []
     for name, places in groups.items():
         gathering, group = Gathering(name), [logs[place] for place in places]
         with kept(group):
-            found = look_at(group)
+            found = look_at_condition(group)
             for place in (place for place in places if not any(one.log is logs[place] and counts_not(one) for one in found)):
+                glances.append(glance_at(logs[place]))
                 rows[place] = row_of(logs[place], folder)
                 gathering.add(logs[place])
                 shown.add_log(names[place], logs[place])
         in_sets += found
         spreads.append(gathering.condition())
+    across = look_across(glances)
+    if again := [one for one in across if counts_not(one)]:
+        rest = [log for log in logs if not any(one.log is log for one in again)]
+        indicators, conditions, others, explored = _condensed(rest, origin, folder)
+        return indicators, conditions, [*again, *others], explored
     attached = [logs[place].attachments.get("config.yaml", b"") for place in sorted(rows)]
-    return frame_with_varied([rows[place] for place in sorted(rows)], attached, origin.axes), spreads, in_sets
+    return (
+        frame_with_varied([rows[place] for place in sorted(rows)], attached, origin.axes),
+        spreads,
+        [*in_sets, *across],
+        shown,
+    )
 
 
 def counts_not(one: InSet) -> bool:

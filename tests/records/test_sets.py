@@ -123,8 +123,8 @@ def test_a_mistake_that_explains_a_log_is_refused(carriages: list[TestLog], name
         ("zero of position_m moved by its travel", "m added"),
         ("begun a fifth of a test late", "begun 1.2 s later"),
         ("position_m dead from half way", "find out why, or leave it out"),
-        ("current missing", "'current_a' is missing here, while 8 logs of the set have it; it is left out of all"),
-        ("wind missing", "'wind_n' is missing here, while 8 logs of the set have it; it is taken as 0 SI there"),
+        ("current missing", "'current_a' is missing here, while 8 logs of the set have it; an analysis leaves it out"),
+        ("wind missing", "'wind_n' is missing here, while 8 logs of the set have it; it is taken as its default there, 0 SI"),
     ],
 )
 def test_what_no_single_mistake_explains_is_named(carriages: list[TestLog], name: str, told: str) -> None:

@@ -34,6 +34,8 @@ def print_head(console: Console, analysis: Analysis) -> None:
         console.print(f"note    {line}", markup=False)
     for path, samples in measured.short:
         console.print(f"note    {path} is left out: {samples} samples; at least {FEWEST_SAMPLES} are needed", markup=False)
+    for path, field in measured.missing:
+        console.print(f"note    {path} is left out: it lacks '{field}', which counts in the others", markup=False)
 
 
 def over_windows(analysis: Analysis) -> str:

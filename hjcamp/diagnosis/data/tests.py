@@ -23,6 +23,7 @@ from hjcamp.records.log import TestLog
 from hjcamp.records.noise import step_of
 from hjcamp.records.of_plant import plant_of
 from hjcamp.records.sets.copies import counted_once
+from hjcamp.records.sets.incomplete import complete_logs
 
 Array = NDArray[np.float64]
 RATE_TOLERANCE = 1e-3
@@ -52,7 +53,7 @@ class Measured:
 
     ``twice`` names each test that was left out, and the one that it is a copy of: it would pass for a repetition without scatter.
     ``odd`` says which logs differ from their repetitions by more than these do from each other: nothing is concluded with them.
-    ``short`` names each log that was left out for its few samples, and their number.
+    ``short`` names each log that was left out for its few samples, and their number, ``missing`` each that was for a field it lacks.
     """
 
     plant: type[Plant]
@@ -63,6 +64,7 @@ class Measured:
     twice: tuple[tuple[str, str], ...] = ()
     short: tuple[tuple[str, int], ...] = ()
     odd: tuple[str, ...] = ()
+    missing: tuple[tuple[str, str], ...] = ()
 
     @cached_property
     def conditions(self) -> dict[str, list[int]]:
@@ -142,10 +144,15 @@ class Measured:
         return np.clip(true, *self.ends.T)
 
 
-def measured_tests(logs: Sequence[TestLog], twice: tuple[tuple[str, str], ...] = (), odd: tuple[str, ...] = ()) -> Measured:
+def measured_tests(
+    logs: Sequence[TestLog],
+    twice: tuple[tuple[str, str], ...] = (),
+    odd: tuple[str, ...] = (),
+    missing: tuple[tuple[str, str], ...] = (),
+) -> Measured:
     """Return the tests of all logs that are long enough; refuse logs of several plants or periods, and one that lacks a reading.
 
-    ``twice`` and ``odd`` are what is known of the logs as a set already, as in `Measured`.
+    ``twice``, ``odd`` and ``missing`` are what is known of the logs as a set already, as in `Measured`.
     """
     if not logs:
         raise UsageError("no tests: give a run folder, a folder of logs, or log files")
@@ -164,6 +171,8 @@ def measured_tests(logs: Sequence[TestLog], twice: tuple[tuple[str, str], ...] =
                 f"{log.path}: one sample each {log.period:g} s, but each {period:g} s in {logs[0].path}; "
                 f"analyse tests of one sampling period together, or import them with resample_s: {common:g} in the map"
             )
+    logs, lacking = complete_logs(logs)
+    missing = (*missing, *((_where(one.log), one.field) for one in lacking if one.left_out))
     # effects have their times in samples of the logs, whatever the plant's file says of its own
     if abs(period / plant.period - 1.0) > RATE_TOLERANCE:
         plant = plant.sampled(period)
@@ -177,7 +186,7 @@ def measured_tests(logs: Sequence[TestLog], twice: tuple[tuple[str, str], ...] =
         logs, found = counted_once(logs)
         twice = tuple((_where(one.log), _where(one.original)) for one in found)
     tests = [_test(log, plant, sensors) for log in logs]
-    return Measured(plant, period, sensors, columns, apart_by_course(tests), twice, short, odd)
+    return Measured(plant, period, sensors, columns, apart_by_course(tests), twice, short, odd, missing)
 
 
 def _long_enough(logs: Sequence[TestLog]) -> tuple[Sequence[TestLog], tuple[tuple[str, int], ...]]:

@@ -84,6 +84,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         },
         "twice": [list(pair) for pair in analysis.measured.twice],
         "short": [list(pair) for pair in analysis.measured.short],
+        "missing": [list(pair) for pair in analysis.measured.missing],
         "lacking": list(verdict.lacking),
         "window_samples": analysis.windows.layout.width,
         "simulated_through": analysis.windows.layout.memory > 0,

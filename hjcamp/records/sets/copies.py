@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hjcamp.records.log import TestLog
 from hjcamp.records.noise import FEWEST, step_of
 from hjcamp.records.sets.course import ROUNDING, Array, Course, by_condition, courses_of
+from hjcamp.records.sets.glance import Glance, Sizes, size_of
 
 # Readings in which a copy that begins elsewhere is looked for.
 PROBES = 16
@@ -42,7 +43,7 @@ def copies(courses: Sequence[Course]) -> list[Copy]:
     older file, else that of the shorter name, else that of the name first in the alphabet.
     """
     found: dict[int, Copy] = {}
-    for one, other in _pairs(sorted(courses, key=_age)):
+    for one, other in _pairs(sorted(courses, key=lambda one: _age(one.log))):
         if id(one.log) in found or id(other.log) in found:
             continue
         lag = _lag(one, other)
@@ -51,14 +52,32 @@ def copies(courses: Sequence[Course]) -> list[Copy]:
     return list(found.values())
 
 
-def _age(one: Course) -> tuple[float, int, str]:
+def copies_across(logs: Sequence[Glance]) -> list[Copy]:
+    """Return the logs that are copies of one of another condition; only those that look the same are read again.
+
+    Simulations of two conditions may well be the same.
+    """
+    found: dict[int, Copy] = {}
+    in_order = sorted(logs, key=lambda one: _age(one.log))
+    for k, first in enumerate(in_order):
+        for second in in_order[k + 1 :]:
+            if id(first.log) in found or id(second.log) in found or first.log.condition_key == second.log.condition_key:
+                continue
+            if _look_the_same(first.sizes, second.sizes):
+                one, other = courses_of([first.log, second.log])
+                if (lag := _lag(one, other)) is not None and not (one.simulated and other.simulated):
+                    found[id(second.log)] = Copy(second.log, first.log, _text(one, other, lag))
+    return list(found.values())
+
+
+def _age(log: TestLog) -> tuple[float, int, str]:
     """Return what sorts originals first; several repetitions of a simulation, or logs without a file, by their names alone."""
-    path = one.log.path
+    path = log.path
     try:
         written = path.stat().st_mtime if path is not None else 0.0
     except OSError:
         written = 0.0
-    name = path.name if path is not None else one.where
+    name = path.name if path is not None else log.condition_key
     return written, len(name), name
 
 
@@ -68,14 +87,14 @@ def _pairs(courses: Sequence[Course]) -> Iterator[tuple[Course, Course]]:
         for k, one in enumerate(group):
             yield from ((one, other) for other in group[k + 1 :])
     rest = list(courses)
-    sizes = [{name: (float(one.columns[name].mean()), float(one.columns[name].std())) for name in one.measured} for one in rest]
+    sizes = [{name: size_of(one.columns[name]) for name in one.measured} for one in rest]
     for k, one in enumerate(rest):
         for j in range(k + 1, len(rest)):
             if one.condition != rest[j].condition and _look_the_same(sizes[k], sizes[j]):
                 yield one, rest[j]
 
 
-def _look_the_same(one: dict[str, tuple[float, float]], other: dict[str, tuple[float, float]]) -> bool:
+def _look_the_same(one: Sizes, other: Sizes) -> bool:
     shared = one.keys() & other.keys()
     return bool(shared) and all(
         max(abs(one[name][0] - other[name][0]), abs(one[name][1] - other[name][1])) <= CLOSE * max(one[name][1], other[name][1])

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 from hjcamp.errors import UsageError, counted
 from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import plant_of
 from hjcamp.records.plausible import Finding
-from hjcamp.records.sets.copies import copies
-from hjcamp.records.sets.course import Course, courses_of, input_fields
+from hjcamp.records.sets.copies import Copy, copies, copies_across
+from hjcamp.records.sets.course import Course, courses_of
+from hjcamp.records.sets.glance import Glance, glance_at
+from hjcamp.records.sets.incomplete import incomplete
 from hjcamp.records.sets.odd_one import odd_ones
+
+Each = TypeVar("Each")
 
 
 @dataclass(frozen=True)
 class InSet:
     """What is wrong with a log among others: ``odd`` where it differs from its repetitions, so that nothing can be concluded with it,
-    and the ``original`` that it is a copy of, where it is no test of its own, or is ``simulated`` again without any scatter.
+    and the ``original`` that it is a copy of, where it is no test of its own, or is ``simulated`` again without any scatter. One
+    in which a field of the others is ``missing`` is ``left_out`` of an analysis where that counts.
     """
 
     log: TestLog
@@ -25,6 +31,8 @@ class InSet:
     odd: bool = False
     original: TestLog | None = None
     simulated: bool = False
+    missing: bool = False
+    left_out: bool = False
 
     @property
     def line(self) -> str:
@@ -34,42 +42,57 @@ class InSet:
 
 def look_at(logs: Sequence[TestLog]) -> list[InSet]:
     """Return what logs say as a set, what must be refused first; logs of several plants or periods are several sets."""
-    sets: dict[tuple[str, float], list[TestLog]] = {}
-    for log in logs:
-        sets.setdefault((plant_of(log.metadata, str(log.path)).name, log.period), []).append(log)
-    found = [one for each in sets.values() if len(each) > 1 for one in _of_one_plant(each)]
+    found = [
+        one for each in _sets(logs, lambda log: log) for one in (*_of_tests(each), *_lacking([glance_at(log) for log in each]))
+    ]
     return sorted(found, key=lambda one: not one.finding.refused)
 
 
-def _of_one_plant(logs: Sequence[TestLog]) -> list[InSet]:
+def look_at_condition(logs: Sequence[TestLog]) -> list[InSet]:
+    """Return what the logs of one condition say among themselves, as `look_at`; what they lack the whole set says."""
+    found = [one for each in _sets(logs, lambda log: log) for one in _of_tests(each)]
+    return sorted(found, key=lambda one: not one.finding.refused)
+
+
+def look_across(logs: Sequence[Glance]) -> list[InSet]:
+    """Return what logs, of which a glance was kept, say across their conditions: copies, and what some of them lack."""
+    sets = _sets(logs, lambda one: one.log)
+    return [one for each in sets for one in (*map(_copy, copies_across(each)), *_lacking(each))]
+
+
+def lines_of(found: Iterable[InSet]) -> list[str]:
+    """Return the findings in lines; what several logs lack is said of the first."""
+    first: dict[object, InSet] = {}
+    for one in found:
+        first.setdefault(one.finding.text if one.missing else id(one), one)
+    return [one.line for one in first.values()]
+
+
+def _sets(logs: Sequence[Each], log_of: Callable[[Each], TestLog]) -> list[list[Each]]:
+    """Return logs of one plant and period, several of them, in one list."""
+    sets: dict[tuple[str, float], list[Each]] = {}
+    for one in logs:
+        log = log_of(one)
+        sets.setdefault((plant_of(log.metadata, str(log.path)).name, log.period), []).append(one)
+    return [each for each in sets.values() if len(each) > 1]
+
+
+def _of_tests(logs: Sequence[TestLog]) -> list[InSet]:
     courses = courses_of(logs)
     same = copies(courses)
     left_out = {id(one.log) for one in same}
     own: list[Course] = [one for one in courses if id(one.log) not in left_out]
     found = [InSet(one.log, Finding(one.field, one.text, one.explained), odd=True) for one in odd_ones(own)]
-    found += [InSet(one.log, Finding("", one.text, False), original=one.original, simulated=one.simulated) for one in same]
-    return [*found, *_lacking(logs)]
+    return [*found, *map(_copy, same)]
 
 
-def _lacking(logs: Sequence[TestLog]) -> list[InSet]:
-    """Say which channels and inputs some of the logs have and others lack, and what is taken in their place."""
-    plant = plant_of(logs[0].metadata, str(logs[0].path))
-    inputs = {field: plant.inputs[name] for name, field in input_fields(plant).items()}
-    measured = [one.field for one in plant.channels] or list(plant.measured)
-    found = []
-    for field in (*measured, *inputs):
-        lacking = [log for log in logs if field not in log.columns]
-        if not lacking or len(lacking) == len(logs):
-            continue
-        if field in inputs:
-            instead = f"taken as {inputs[field].default:g} SI there"
-        else:
-            instead = "computed from the command there" if plant.channels else "left out of all"
-        there = counted(len(logs) - len(lacking), "log")
-        more = f", and so in {counted(len(lacking) - 1, 'more log')}" if len(lacking) > 1 else ""
-        text = f"'{field}' is missing here{more}, while {there} of the set have it; it is {instead}"
-        found.append(InSet(lacking[0], Finding(field, text, False)))
-    return found
+def _copy(one: Copy) -> InSet:
+    return InSet(one.log, Finding("", one.text, False), original=one.original, simulated=one.simulated)
+
+
+def _lacking(logs: Sequence[Glance]) -> list[InSet]:
+    found = incomplete(logs)
+    return [InSet(one.log, Finding(one.field, one.text, False), missing=True, left_out=one.left_out) for one in found]
 
 
 def refuse_odd(logs: Sequence[TestLog]) -> list[InSet]:
