@@ -234,7 +234,7 @@ def _condensed(
         with kept(group):
             found = look_at_condition(group)
             for place in (place for place in places if not any(one.log is logs[place] and counts_not(one) for one in found)):
-                glances.append(glance_at(logs[place]))
+                glances.append(glance_at(logs[place], glances))
                 rows[place] = row_of(logs[place], folder)
                 gathering.add(logs[place])
                 shown.add_log(names[place], logs[place])

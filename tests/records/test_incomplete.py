@@ -129,8 +129,12 @@ def test_what_is_kept_is_complete_and_most(empty_folder: Path, rows: list[tuple[
     assert not any(one.left_out for one in incomplete(kept))
 
 
-def test_a_report_says_what_is_missing_and_leaves_out_copies_of_other_conditions(carriages: list[TestLog]) -> None:
-    again = replace(carriages[0], path=Path("push_copied.mcap"), metadata={**carriages[0].metadata, "condition": "push"})
+@pytest.mark.parametrize("cut", [0, 700])
+def test_a_report_says_what_is_missing_and_leaves_out_copies_of_other_conditions(carriages: list[TestLog], cut: int) -> None:
+    columns = {
+        name: values[cut:] if name != "time_s" else values[: len(values) - cut] for name, values in carriages[0].columns.items()
+    }
+    again = TestLog(columns, {**carriages[0].metadata, "condition": "push"}, path=Path("push_copied.mcap"))
     logs = [*lacking("current_a", (4,), carriages), again]
     for log in logs:
         write_log(Path("logs", log.path.name), log)

@@ -6,17 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hjcamp.records.log import TestLog
 from hjcamp.records.noise import FEWEST, step_of
-from hjcamp.records.sets.course import ROUNDING, Array, Course, by_condition, courses_of
-from hjcamp.records.sets.glance import Glance, Sizes, size_of
-
-# Readings in which a copy that begins elsewhere is looked for.
-PROBES = 16
-# Two courses of different conditions are looked at where mean and spread of each column agree within this part of its spread.
-CLOSE = 0.02
+from hjcamp.records.sets.course import Array, Course, by_condition, courses_of
+from hjcamp.records.sets.glance import Glance, look_the_same, size_of
+from hjcamp.records.sets.probe import probe_of, rounding
 
 
 @dataclass(frozen=True)
@@ -53,20 +48,19 @@ def copies(courses: Sequence[Course]) -> list[Copy]:
 
 
 def copies_across(logs: Sequence[Glance]) -> list[Copy]:
-    """Return the logs that are copies of one of another condition; only those that look the same are read again.
+    """Return the logs that are copies of one of another condition, of those that may be; the two are read again.
 
     Simulations of two conditions may well be the same.
     """
     found: dict[int, Copy] = {}
-    in_order = sorted(logs, key=lambda one: _age(one.log))
-    for k, first in enumerate(in_order):
-        for second in in_order[k + 1 :]:
-            if id(first.log) in found or id(second.log) in found or first.log.condition_key == second.log.condition_key:
+    for log in logs:
+        for may_be in log.may_be:
+            pair = sorted((may_be, log.log), key=_age)
+            if any(id(one) in found for one in pair):
                 continue
-            if _look_the_same(first.sizes, second.sizes):
-                one, other = courses_of([first.log, second.log])
-                if (lag := _lag(one, other)) is not None and not (one.simulated and other.simulated):
-                    found[id(second.log)] = Copy(second.log, first.log, _text(one, other, lag))
+            one, other = courses_of(pair)
+            if (lag := _lag(one, other)) is not None and not (one.simulated and other.simulated):
+                found[id(other.log)] = Copy(other.log, one.log, _text(one, other, lag))
     return list(found.values())
 
 
@@ -90,22 +84,14 @@ def _pairs(courses: Sequence[Course]) -> Iterator[tuple[Course, Course]]:
     sizes = [{name: size_of(one.columns[name]) for name in one.measured} for one in rest]
     for k, one in enumerate(rest):
         for j in range(k + 1, len(rest)):
-            if one.condition != rest[j].condition and _look_the_same(sizes[k], sizes[j]):
+            if one.condition != rest[j].condition and look_the_same(sizes[k], sizes[j]):
                 yield one, rest[j]
-
-
-def _look_the_same(one: Sizes, other: Sizes) -> bool:
-    shared = one.keys() & other.keys()
-    return bool(shared) and all(
-        max(abs(one[name][0] - other[name][0]), abs(one[name][1] - other[name][1])) <= CLOSE * max(one[name][1], other[name][1])
-        for name in shared
-    )
 
 
 def _lag(one: Course, other: Course) -> int | None:
     """Return by how many samples ``other`` begins later in the readings that both share; None where they are two tests."""
     shared = [name for name in one.measured if name in other.measured]
-    within = {name: _rounding(one.columns[name], other.columns[name]) for name in shared}
+    within = {name: rounding(one.columns[name], step_of(other.columns[name])) for name in shared}
     if not shared:
         return None
     probe = max(shared, key=lambda name: len(np.unique(other.columns[name])))
@@ -123,27 +109,14 @@ def _lag(one: Course, other: Course) -> int | None:
     return None
 
 
-def _rounding(one: Array, other: Array) -> float:
-    """Return by how much two columns may differ that are printed from one: half the coarser last digit."""
-    half = 0.5 * max(step_of(one), step_of(other))
-    return max(half, ROUNDING * float(np.std(one))) * (1.0 + ROUNDING)
-
-
 def _changes(values: Array) -> int:
     return int(np.count_nonzero(np.diff(values)))
 
 
 def _begins(one: Array, other: Array, within: float) -> list[int]:
     """Return the lags at which readings from the middle of ``other`` (n,) are found in ``one`` (m,), a few at most."""
-    places = np.arange(len(one))
-    found: NDArray[np.intp] = places
-    middle = len(other) // 2
-    probes = np.unique(np.linspace(max(middle - len(other) // 8, 0), middle, PROBES).astype(int))
-    for at in probes:
-        moved = found + (at - int(probes[0]))
-        found = found[(moved < len(one))]
-        found = found[np.abs(one[found + (at - int(probes[0]))] - other[at]) <= within]
-    return [int(place) - int(probes[0]) for place in found[:FEWEST] if place != probes[0]]
+    probe = probe_of(other)
+    return [int(place) - int(probe.places[0]) for place in probe.found_in(one, within)[:FEWEST] if place != probe.places[0]]
 
 
 def _text(one: Course, other: Course, lag: int) -> str:
