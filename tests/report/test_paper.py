@@ -191,7 +191,21 @@ def test_only_the_figures_that_are_wanted_are_drawn(run: Path, tmp_path: Path) -
     made = json.loads((tmp_path / "made.json").read_text())
     assert made["figures"] == ["figures/means.svg", "figures/other.svg"] and made["numbers"]
     with pytest.raises(UsageError, match=r"unknown figure 'mean' in --only; did you mean 'means'"):
-        paper([run], tmp_path / "text", formats="svg", only="mean")
+        paper([run], tmp_path / "refused", formats="svg", only="mean")
+
+
+def test_a_call_that_is_refused_writes_nothing(run: Path, tmp_path: Path) -> None:
+    (tmp_path / "b").mkdir()
+    answers = [tmp_path / "a.json", tmp_path / "b" / "a.json"]
+    for path in answers:
+        path.write_text(json.dumps(ANSWERS["found.json"]))
+    with pytest.raises(UsageError, match=r"two of the answers are named a\.json"):
+        paper([run, *answers], tmp_path / "refused")
+    with pytest.raises(UsageError, match="unknown figure"):
+        paper([run], tmp_path / "refused", only="PUBLISHED")
+    with pytest.raises(UsageError):
+        paper([run, tmp_path / "b"], tmp_path / "refused")
+    assert not (tmp_path / "refused").exists()
 
 
 def test_pgf_is_refused_without_a_latex(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -86,8 +86,8 @@ def formats_of(asked: str | None) -> list[str]:
 
 def write_figure(
     folder: Path, name: str, formats: Sequence[str], style: Style, height: float, paint: Callable[[Any], None]
-) -> list[Path]:
-    """Write one figure in each format, ``height`` as a share of its width; equal content gives equal files."""
+) -> None:
+    """Write one figure, FOLDER/NAME.FORMAT in each format, ``height`` as a share of its width; equal content gives equal files."""
     from matplotlib.figure import Figure
 
     settings: dict[str, Any] = {
@@ -99,16 +99,13 @@ def write_figure(
     }  # fmt: skip
     # A pgf has no metadata, and takes no word about them.
     undated: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
-    files = []
     with own_settings(settings):
         figure = Figure(figsize=(style.width_mm * MM, style.width_mm * MM * height), layout="constrained")
         paint(figure)
         for kind in formats:
-            files.append(folder / f"{name}.{kind}")
-            with whole_file(files[-1]) as stream:
+            with whole_file(folder / f"{name}.{kind}") as stream:
                 words: dict[str, Any] = {"metadata": undated[kind]} if kind in undated else {}
                 figure.savefig(stream, format=kind, **words)
-    return files
 
 
 def drawn(name: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +68,10 @@ CLASSES = {
 
 @dataclass
 class Paper:
-    """What was written: files inside the folder, the numbers by macro, the keys to cite."""
+    """What is written: files inside the folder, the numbers by macro, the keys to cite.
+
+    ``waiting`` writes tables and figures once nothing more can be refused.
+    """
 
     folder: Path
     style: Style
@@ -76,6 +80,7 @@ class Paper:
     numbers: dict[str, Quantity] = field(default_factory=dict)
     captions: dict[str, str] = field(default_factory=dict)
     cite: list[str] = field(default_factory=list)
+    waiting: list[Callable[[], object]] = field(default_factory=list)
 
 
 def write_paper(
@@ -85,8 +90,8 @@ def write_paper(
 
     ``only`` names the figures that are wanted: ``means`` and conditions; all of them where none is named.
 
-    Each file is written whole or not at all; ``main.tex`` stays as it is where there is one. `UsageError` for what is
-    neither a run nor an answer.
+    Each file is written whole or not at all; ``main.tex`` stays as it is where there is one. `UsageError`, and nothing is
+    written, for what is neither a run nor an answer, for equal names and unknown figures.
     """
     runs = [path for path in paths if path.suffix != ".json"]
     answers = [(path, read_answer(path)) for path in paths if path.suffix == ".json"]
@@ -96,20 +101,22 @@ def write_paper(
     there: dict[str, None] = {}
     for number, path in enumerate(runs):
         prefix = f"{_letter(number)}" if len(runs) > 1 else ""
-        tests = _write_run(paper, path, prefix, style, formats, only, there)
+        tests = _add_run(paper, path, prefix, style, formats, only, there)
         used |= {name for config in tests.configurations.values() for name in _effects(config)}
         plants |= {str((config.get("plant") or {}).get("name") or "") for config in tests.configurations.values()}
     for name in only:
         if name not in there:
             raise unknown("figure", name, [*there], "--only")
     for path, answer in answers:
-        _write_table(paper, sheet_of(answer, path.stem))
+        _add_table(paper, sheet_of(answer, path.stem))
         paper.numbers |= quantities_of(answer, path.stem)
         used |= {str(name) for name in answer.get("effects") or ()}
         plants.add(str(answer.get("plant") or ""))
     sources = [one for plant in sorted(plants) for one in documented(plant, used)]
     entries = bibliography(sources, bool(plants & {"", DEFAULT}))
     paper.cite = list(entries)
+    for write in paper.waiting:
+        write()
     replace_file(folder / "references.bib", "\n".join(entries.values()))
     replace_file(folder / "numbers.tex", macros(paper.numbers))
     if not (folder / "main.tex").exists():
@@ -117,20 +124,20 @@ def write_paper(
     return paper
 
 
-def _write_run(
+def _add_run(
     paper: Paper, path: Path, prefix: str, style: Style, formats: Sequence[str], only: Sequence[str], there: dict[str, None]
 ) -> Tests:
-    """Write tables, figures (those of ``only``) and numbers of one run; ``there`` hears the names of all its figures."""
+    """Add tables, figures (those of ``only``) and numbers of one run; ``there`` hears the names of all its figures."""
     tests, spreads, tables = _read(path)
     conditions = by_condition(tests.indicators)
     for sheet in [*tables, arrange_conditions(conditions)]:
-        _write_table(paper, sheet, prefix)
+        _add_table(paper, sheet, prefix)
     rows = conditions.to_dicts()
     kinds = [dots_of(rows, "run", INDICATORS), dots_of(rows, "published", INDICATORS, "_published")]
     kinds = [one for one in kinds if one.values]
     names = list(dict.fromkeys(str(row["condition"]) for row in rows))
     shown = [name for name in INDICATORS if any(one == name for kind in kinds for _, one in kind.values)]
-    folder, tag = paper.folder / "figures", f"{prefix.lower()}_" if prefix else ""
+    tag = f"{prefix.lower()}_" if prefix else ""
     height = 0.25 + 0.07 * len(names) * -(-len(shown) // 2)
     figures = {MEANS: (height, means_painter(names, shown, kinds), means_caption(shown, rows))} if shown else {}
     drawn = list(filter(drawable, spreads))
@@ -140,8 +147,9 @@ def _write_run(
     for name, (tall, painter, caption) in figures.items():
         if only and name not in only:
             continue
-        files = write_figure(folder, f"{tag}{stems[name]}", formats, style, tall, painter)
-        shown_files = [file.relative_to(paper.folder).as_posix() for file in files]
+        stem = f"{tag}{stems[name]}"
+        paper.waiting.append(partial(write_figure, paper.folder / "figures", stem, formats, style, tall, painter))
+        shown_files = [f"figures/{stem}.{kind}" for kind in formats]
         paper.figures += shown_files
         paper.captions |= dict.fromkeys(shown_files, caption)
     for name, base in zip(names, distinct(macro(prefix, name) for name in names), strict=True):
@@ -178,12 +186,13 @@ def _read(path: Path) -> tuple[Tests, list[Condition], list[Sheet]]:
     return tests, spreads, [arrange(table, one) for one, table in built if table.height]
 
 
-def _write_table(paper: Paper, sheet: Sheet, prefix: str = "") -> None:
+def _add_table(paper: Paper, sheet: Sheet, prefix: str = "") -> None:
     name = file_name("_".join(filter(None, (prefix.lower(), sheet.name))), "answer")
     file = f"tables/{name}.tex"
     if file in paper.tables:
         raise UsageError(f"two of the answers are named {name}.json; give them different names")
-    replace_file(paper.folder / file, paper_table(sheet, name.replace("_", "-"), paper.style.width_mm, paper.style.text_mm))
+    content = paper_table(sheet, name.replace("_", "-"), paper.style.width_mm, paper.style.text_mm)
+    paper.waiting.append(partial(replace_file, paper.folder / file, content))
     paper.tables.append(file)
     paper.captions[file] = sheet.title
 
