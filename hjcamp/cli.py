@@ -104,8 +104,7 @@ def run(arguments: list[str] | None = None) -> int:
         return _say(f"{error.strerror or error}{place}", 1)
     except Exception as error:
         if type(error).__module__.startswith(("click", "typer._click")) and hasattr(error, "format_message"):
-            command = getattr(getattr(error, "ctx", None), "command_path", "hjcamp")
-            return _say(f"{error.format_message()}  (see {command} --help)", 2)
+            return _say(_unusable(error), 2)
         if _comes_from_interrupt(error):
             return _say("interrupted", INTERRUPTED)
         what = "not enough memory" if memory_is_short() else "internal error"
@@ -113,6 +112,15 @@ def run(arguments: list[str] | None = None) -> int:
     finally:
         CALL.reset(token)
         free_standard_output()
+
+
+def _unusable(error: Any) -> str:
+    """Return in one line what the command line cannot use; a group without a command names those it has."""
+    context = getattr(error, "ctx", None)
+    command, text = getattr(context, "command_path", "hjcamp"), error.format_message()
+    if type(error).__name__ == "NoArgsIsHelpError":
+        text = f"{command.removeprefix('hjcamp ')}: give one of {', '.join(context.command.list_commands(context))}"
+    return f"{text}  (see {command} --help)"
 
 
 def _comes_from_interrupt(error: BaseException | None) -> bool:

@@ -62,6 +62,8 @@ def test_version(call: Call) -> None:
         (["resume", "nothing"], "not found"),
         (["report", "nothing"], "nothing"),
         (["log", "verify", "nothing"], "nothing"),
+        (["log"], "log: give one of info, verify, recover, export, view"),
+        (["rig"], "rig: give one of serve, check, unlock"),
         (["ls", "payload"], "KEY=VALUE"),
         (["import", "nothing.csv", "--map", "nothing.yaml"], "nothing"),
     ],
