@@ -40,14 +40,13 @@ class Asked:
     shadow: bool = False
 
     def check(self) -> None:
-        """Refuse an unknown effort, a seed that ``seed=`` of a run would not take, and less than one process."""
+        """Refuse an unknown effort, and a seed and a number of processes that a run would not take."""
         from hjcamp.analyses.effort import EFFORTS
 
         check_seed(self.seed)
         if self.effort not in EFFORTS:
             raise unknown("effort", self.effort, EFFORTS)
-        if self.workers is not None and self.workers < 1:
-            raise UsageError(f"--workers {self.workers}: give a whole number, 1 or more")
+        check_workers(self.workers)
 
 
 @dataclass(frozen=True)
@@ -65,6 +64,14 @@ def check_seed(seed: int) -> None:
         raise UsageError(f"--seed {shown(seed)}: give a whole number, 0 or more and below 2^63")
 
 
+def check_workers(workers: int | None) -> None:
+    """Refuse a number of processes that ``workers=`` of a run would not take."""
+    from hjcamp.configuration.run_keys import MOST_PROCESSES
+
+    if workers is not None and not 1 <= workers <= MOST_PROCESSES:
+        raise UsageError(f"--workers {shown(workers)}: give a whole number from 1 to {MOST_PROCESSES}")
+
+
 def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDiagnosed:
     """Return what the model of any plant misses (`hjcamp.diagnosis.decision.verdict`)."""
     from hjcamp.diagnosis.calibration.analysis import Known, calibrated
@@ -78,6 +85,8 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     began = time.perf_counter()
     asked.check()
     measured = data.measured
+    if asked.cluster is not None:
+        raise UsageError(f"--cluster {asked.cluster}: {measured.plant.name} is diagnosed on this machine alone; give --workers")
     chosen, start, forms = chosen_and_start(data, asked)
     check_asked(asked.ask, chosen)
     report("compiling, once for this plant and its effects", 0.02)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hjcamp.analyses.data import Data
-from hjcamp.analyses.diagnosing import Asked
+from hjcamp.analyses.diagnosing import Asked, check_workers
 from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError
 
@@ -50,8 +50,7 @@ def diagnose(
     from hjcamp.commands.shared.session import check_answer_file, folder_for, no_logs
     from hjcamp.known_plants import usual_plant
 
-    if workers is not None and workers < 1:
-        raise UsageError(f"--workers {workers}: give a whole number, 1 or more")
+    check_workers(workers)
     if tables is not None:
         if model != "published":
             raise UsageError(f"--model {model}: tables are judged from the published model")

@@ -17,7 +17,7 @@ def register(app: typer.Typer) -> None:
 
 def resume(
     run: Annotated[Path, typer.Argument(help="The run folder.")],
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes; as many as pay off by default.")] = None,
+    workers: Annotated[int | None, typer.Option(min=1, max=1024, help="Processes; as many as pay off by default.")] = None,
     fail_fast: Annotated[bool, typer.Option("--fail-fast", help="Stop at the first test that fails.")] = False,
     keep_going: Annotated[
         bool, typer.Option("--keep-going", help="After a fault look at the rig again; go on where that passes.")

@@ -8,6 +8,7 @@ from typing import Any
 from hjcamp.schema import Group, between, checked
 
 LARGEST = 2**63 - 1
+MOST_PROCESSES = 1024
 Word = str | int
 
 
@@ -18,7 +19,7 @@ class RunKeys(Group):
     seed: int = between(0, LARGEST)
     tables: str | list[str] | None = None
     conditions: Word | list[Word] | None = None
-    workers: int | None = between(1, 1024, default=None)
+    workers: int | None = between(1, MOST_PROCESSES, default=None)
     cluster: str | None = None
     run_dir: Word | None = None
     fail_fast: bool = False

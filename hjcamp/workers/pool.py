@@ -30,7 +30,7 @@ class Crew:
         self.workers = 1 if self._helpers else workers
         take_one_thread()
         self._pool: ThreadPoolExecutor | None = None
-        self._client = connected(cluster) if cluster else None
+        self._client = connected(cluster) if cluster is not None else None
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Crew, (1,)
