@@ -69,7 +69,7 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
         scheduler = start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0")
         workers = [start("distributed.cli.dask_worker", "--nthreads", "1", "--no-nanny") for _ in range(2)]
         end = time.monotonic() + 60.0
-        while not file.exists():
+        while not (file.exists() and file.read_text().rstrip().endswith("}")):
             assert time.monotonic() < end and scheduler.poll() is None, "the scheduler does not start"
             time.sleep(0.05)
         yield Cluster(scheduler, workers, json.loads(file.read_text())["address"])
