@@ -203,7 +203,7 @@ def main() -> None:
     parser.add_argument("--prepare", type=Path, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.prepare:
-        prepared(given.prepare)
+        prepared(given.prepare.resolve())
         return
     load()
     with tempfile.TemporaryDirectory(prefix="bad_calls_") as name:

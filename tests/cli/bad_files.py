@@ -95,8 +95,7 @@ FILES: dict[str, tuple[tuple[str, ...], ...]] = {
     "trajectories/slope.py": PLAN_OWN[:1],
     "conf/model/mine.yaml": (("plan", "model=mine"), ("compare", "run", "--model", "mine")),
     "conf/pump/own.yaml": (("plan", "pump=own"), ("plan", "pump=own", "--cfg")),
-    "conf/payload/own.yaml": "# @package _global_\npayload: {name: own, mass_g: 9.0, radius_mm: 20.0}\n"
-    "effects: {payload_inertia: {load_mass: 0.009, radius: 0.02}}\n",
+    "conf/payload/own.yaml": (("plan", "payload=own"), ("plan", "payload=own", "--cfg")),
     "conf/rig/own.yaml": (("plan", "rig=own", "backend=nidaqmx"), ("rig", "check", "rig=own")),
     "conf/trajectory/own.yaml": PLAN_OWN[:1],
     "conf/controller/own.yaml": PLAN_OWN[1:2],
