@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from hjcamp.records.log import TestLog
-from hjcamp.records.noise import FEWEST, step_of
-from hjcamp.records.sets.course import Array, Course, by_condition, courses_of
-from hjcamp.records.sets.glance import Glance, look_the_same, size_of
-from hjcamp.records.sets.probe import probe_of, rounding
+from hjcamp.records.noise import FEWEST
+from hjcamp.records.sets.course import ROUNDING, Array, Course, by_condition, courses_of
+from hjcamp.records.sets.glance import Glance
+from hjcamp.records.sets.probe import Probed, probe_of
 
 
 @dataclass(frozen=True)
@@ -76,22 +76,21 @@ def _age(log: TestLog) -> tuple[float, int, str]:
 
 
 def _pairs(courses: Sequence[Course]) -> Iterator[tuple[Course, Course]]:
-    """Yield the pairs of one condition, the earlier first, then those of other conditions that look the same as a whole."""
+    """Yield the pairs of one condition, the earlier first, then those of other conditions in which readings of one are in the other."""
     for group in by_condition(courses):
         for k, one in enumerate(group):
             yield from ((one, other) for other in group[k + 1 :])
-    rest = list(courses)
-    sizes = [{name: size_of(one.columns[name]) for name in one.measured} for one in rest]
-    for k, one in enumerate(rest):
-        for j in range(k + 1, len(rest)):
-            if one.condition != rest[j].condition and look_the_same(sizes[k], sizes[j]):
-                yield one, rest[j]
+    probed = [Probed.of(one) for one in courses]
+    for k, one in enumerate(courses):
+        for j in range(k + 1, len(courses)):
+            if probed[k].may_be_in(courses[j]) or probed[j].may_be_in(one):
+                yield one, courses[j]
 
 
 def _lag(one: Course, other: Course) -> int | None:
     """Return by how many samples ``other`` begins later in the readings that both share; None where they are two tests."""
     shared = [name for name in one.measured if name in other.measured]
-    within = {name: rounding(one.columns[name], step_of(other.columns[name])) for name in shared}
+    within = {name: max(one.rounding[name], other.rounding[name]) * (1.0 + ROUNDING) for name in shared}
     if not shared:
         return None
     probe = max(shared, key=lambda name: len(np.unique(other.columns[name])))

@@ -52,10 +52,20 @@ class Course:
         return len(next(iter(self.columns.values())))
 
     @cached_property
+    def steps(self) -> dict[str, float]:
+        """The step of each column, 0 where none counts."""
+        return {name: step_of(values) for name, values in self.columns.items()}
+
+    @cached_property
+    def rounding(self) -> dict[str, float]:
+        """By how much each column may differ from its copy: by half its last digit, or by a millionth of what it does."""
+        return {name: max(0.5 * self.steps[name], ROUNDING * float(np.std(values))) for name, values in self.columns.items()}
+
+    @cached_property
     def smallest(self) -> dict[str, float]:
         """The standard deviation that rounding and noise give each column."""
         return {
-            name: max(step_of(values) / math.sqrt(12.0), white_noise(values), ROUNDING * float(np.std(values)))
+            name: max(self.steps[name] / math.sqrt(12.0), white_noise(values), ROUNDING * float(np.std(values)))
             for name, values in self.columns.items()
         }
 

@@ -11,20 +11,17 @@ from hjcamp.model.declare.parameter import Input
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.language.field_unit import unit_of_field
 from hjcamp.records.log import TestLog
-from hjcamp.records.noise import step_of
 from hjcamp.records.of_plant import plant_of
-from hjcamp.records.sets.course import Course, courses_of, input_fields
-from hjcamp.records.sets.probe import Probe, probe_of, rounding
+from hjcamp.records.sets.course import courses_of, input_fields
+from hjcamp.records.sets.probe import Probed
 
 Sizes = dict[str, tuple[float, float]]
-# Two logs are looked at where mean and spread of each column agree within this part of its spread.
-CLOSE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
 class Glance:
-    """A log, its ``fields``, the optional inputs that ``moved`` from their defaults, mean and deviation of its readings, a ``probe`` of
-    the ``probed`` one with its step, and the earlier logs of other conditions that it ``may_be`` a copy of.
+    """A log, its ``fields``, the optional inputs that ``moved`` from their defaults, mean and deviation of its readings, what
+    was ``probed`` of them, and the earlier logs of other conditions that it ``may_be`` a copy of.
     """
 
     log: TestLog
@@ -32,9 +29,7 @@ class Glance:
     samples: int
     moved: frozenset[str] = frozenset()
     sizes: Sizes = field(default_factory=dict)
-    probed: str = ""
-    probe: Probe | None = None
-    step: float = 0.0
+    probed: Probed | None = None
     may_be: tuple[TestLog, ...] = ()
 
 
@@ -48,29 +43,10 @@ def glance_at(log: TestLog, earlier: Iterable[Glance] = ()) -> Glance:
     }
     found = Glance(log, frozenset(columns), log.samples, frozenset(moved))
     for one in courses_of([log]):
-        probed = max(one.measured, key=lambda name: len(np.unique(one.columns[name])))
         sizes = {name: size_of(one.columns[name]) for name in one.measured}
-        values = one.columns[probed]
-        found = replace(found, sizes=sizes, probed=probed, probe=probe_of(values), step=step_of(values))
-        return replace(found, may_be=tuple(each.log for each in earlier if _may_be(one, sizes, each)))
+        may_be = tuple(each.log for each in earlier if each.probed is not None and each.probed.may_be_in(one))
+        return replace(found, sizes=sizes, probed=Probed.of(one), may_be=may_be)
     return found
-
-
-def _may_be(one: Course, sizes: Sizes, other: Glance) -> bool:
-    """Whether readings of another log are found in a test of another condition."""
-    if other.probe is None or other.probed not in one.measured or one.condition == other.log.condition_key:
-        return False
-    values = one.columns[other.probed]
-    return look_the_same(sizes, other.sizes) and bool(len(other.probe.found_in(values, rounding(values, other.step))))
-
-
-def look_the_same(one: Sizes, other: Sizes) -> bool:
-    """Whether mean and spread of each column that two logs share nearly agree."""
-    shared = one.keys() & other.keys()
-    return bool(shared) and all(
-        max(abs(one[name][0] - other[name][0]), abs(one[name][1] - other[name][1])) <= CLOSE * max(one[name][1], other[name][1])
-        for name in shared
-    )
 
 
 def size_of(values: np.ndarray) -> tuple[float, float]:

@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.records.noise import step_of
-from hjcamp.records.sets.course import ROUNDING, Array
+from hjcamp.records.sets.course import ROUNDING, Array, Course
 
 PROBES = 16
 
@@ -35,6 +34,27 @@ def probe_of(values: Array) -> Probe:
     return Probe(places, values[places])
 
 
-def rounding(one: Array, step: float) -> float:
-    """Return by how much a column (n,) and one of some ``step`` may differ that are printed from one: half the coarser digit."""
-    return max(0.5 * max(step_of(one), step), ROUNDING * float(np.std(one))) * (1.0 + ROUNDING)
+class Probed(NamedTuple):
+    """Probes of all that a test of a ``condition`` measured, at the same samples, and by how much a copy of each may differ."""
+
+    condition: str
+    probes: dict[str, Probe]
+    rounding: dict[str, float]
+
+    @classmethod
+    def of(cls, one: Course) -> Probed:
+        """Return the probes of a test."""
+        return cls(one.condition, {name: probe_of(one.columns[name]) for name in one.measured}, one.rounding)
+
+    def may_be_in(self, other: Course) -> bool:
+        """Whether a test of another condition holds these readings, all of one sample in one of its own."""
+        shared = [name for name in self.probes if name in other.measured]
+        if self.condition == other.condition or not shared:
+            return False
+        found = np.arange(other.samples)
+        for name in shared:
+            within = max(self.rounding[name], other.rounding[name]) * (1.0 + ROUNDING)
+            found = np.intersect1d(found, self.probes[name].found_in(other.columns[name], within))
+            if not len(found):
+                return False
+        return True
