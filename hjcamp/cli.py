@@ -116,7 +116,7 @@ def run(arguments: list[str] | None = None) -> int:
 
 def _unusable(error: Any) -> str:
     """Return in one line what the command line cannot use; a group without a command names those it has."""
-    context = getattr(error, "ctx", None)
+    context: Any = getattr(error, "ctx", None)
     command, text = getattr(context, "command_path", "hjcamp"), error.format_message()
     if type(error).__name__ == "NoArgsIsHelpError":
         text = f"{command.removeprefix('hjcamp ')}: give one of {', '.join(context.command.list_commands(context))}"
