@@ -223,11 +223,12 @@ def _untypical(log: TestLog, plant: type[Plant], wrong: set[str]) -> Iterator[Fi
         }
         if fits:
             unit = min(fits, key=lambda one: abs(math.log(fits[one] * times)))
-            yield Finding(name, _wrong_unit(table.field(name), times * typical, times, unit, fits[unit]), False, of_all=True)
+            than = f"{times:.3g} times its typical size in the plant's file"
+            yield Finding(name, wrong_unit(table.field(name), times * typical, than, unit, fits[unit]), False, of_all=True)
 
 
-def _wrong_unit(field: Field, size: float, times: float, unit: str, factor: float) -> str:
-    """Return in words that a column may be in ``unit``, ``factor`` of its own unit, and which other mistake looks the same."""
+def wrong_unit(field: Field, size: float, than: str, unit: str, factor: float) -> str:
+    """Return in words that a column, ``than`` usual, may be in ``unit``, ``factor`` of its own, and which mistake looks the same."""
     plain = field.unit == "1"
     own = "a ratio" if plain else field.unit
     alike = (
@@ -236,7 +237,7 @@ def _wrong_unit(field: Field, size: float, times: float, unit: str, factor: floa
     taken = " or ".join([f"{unit} read as {own}", *(f"{own} as {name}" for name in alike)])
     off = f"{max(factor, 1.0 / factor):.4g} times too {'small' if factor > 1.0 else 'large'}"
     return (
-        f"'{field.name}' goes to {size:.4g}{'' if plain else f' {own}'}, {times:.3g} times its typical size in the plant's file; "
+        f"'{field.name}' goes to {size:.4g}{'' if plain else f' {own}'}, {than}; "
         f"if its unit is wrong, it is {off}, as {taken} would be"
     )
 

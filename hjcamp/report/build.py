@@ -123,7 +123,7 @@ def build_report(
         if counts_not(one):
             leave_out(line)
             found.remove(one.log)
-        elif one.odd or one.missing:
+        elif one.original is None:
             tell(line)
             doubtful.append(line.replace(f"{run_dir}{os.sep}", ""))
     beside: str | RunComparison | None = against

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,12 +16,18 @@ from hjcamp.records.of_plant import plant_of
 from hjcamp.records.sets.course import courses_of, input_fields
 from hjcamp.records.sets.probe import Probed
 
-Sizes = dict[str, tuple[float, float]]
+
+class Size(NamedTuple):
+    """The ``rms`` of readings, by how much they ``move`` (standard deviation), and that of the steps from one to the next."""
+
+    rms: float
+    move: float
+    steps: float
 
 
 @dataclass(frozen=True, eq=False)
 class Glance:
-    """A log, its ``fields``, the optional inputs that ``moved`` from their defaults, mean and deviation of its readings, what
+    """A log, its ``fields``, the optional inputs that ``moved`` from their defaults, the sizes of its columns, what
     was ``probed`` of them, and the earlier logs of other conditions that it ``may_be`` a copy of.
     """
 
@@ -28,7 +35,7 @@ class Glance:
     fields: frozenset[str]
     samples: int
     moved: frozenset[str] = frozenset()
-    sizes: Sizes = field(default_factory=dict)
+    sizes: dict[str, Size] = field(default_factory=dict)
     probed: Probed | None = None
     may_be: tuple[TestLog, ...] = ()
 
@@ -43,15 +50,18 @@ def glance_at(log: TestLog, earlier: Iterable[Glance] = ()) -> Glance:
     }
     found = Glance(log, frozenset(columns), log.samples, frozenset(moved))
     for one in courses_of([log]):
-        sizes = {name: size_of(one.columns[name]) for name in one.measured}
+        sizes = {name: size_of(values) for name, values in one.columns.items()}
         may_be = tuple(each.log for each in earlier if each.probed is not None and each.probed.may_be_in(one))
         return replace(found, sizes=sizes, probed=Probed.of(one), may_be=may_be)
     return found
 
 
-def size_of(values: np.ndarray) -> tuple[float, float]:
-    """Return mean and standard deviation of readings (n,)."""
-    return float(values.mean()), float(values.std())
+def size_of(values: np.ndarray) -> Size:
+    """Return the size of readings (n,)."""
+    steps = np.diff(values)
+    # the mean of equal numbers may not be one of them
+    move = float(values.std()) if np.ptp(values) else 0.0
+    return Size(float(np.sqrt(np.mean(values**2))), move, float(steps.std()))
 
 
 def optional_inputs(plant: type[Plant]) -> dict[str, Input]:

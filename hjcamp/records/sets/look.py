@@ -15,6 +15,7 @@ from hjcamp.records.sets.course import Course, courses_of
 from hjcamp.records.sets.glance import Glance, glance_at
 from hjcamp.records.sets.incomplete import incomplete
 from hjcamp.records.sets.odd_one import odd_ones
+from hjcamp.records.sets.sizes import unlike_sizes
 
 Each = TypeVar("Each")
 
@@ -43,7 +44,9 @@ class InSet:
 def look_at(logs: Sequence[TestLog]) -> list[InSet]:
     """Return what logs say as a set, what must be refused first; logs of several plants or periods are several sets."""
     found = [
-        one for each in _sets(logs, lambda log: log) for one in (*_of_tests(each), *_lacking([glance_at(log) for log in each]))
+        one
+        for each in _sets(logs, lambda log: log)
+        for one in (*_of_tests(each), *_of_glances([glance_at(log) for log in each]))
     ]
     return sorted(found, key=lambda one: not one.finding.refused)
 
@@ -57,7 +60,7 @@ def look_at_condition(logs: Sequence[TestLog]) -> list[InSet]:
 def look_across(logs: Sequence[Glance]) -> list[InSet]:
     """Return what logs, of which a glance was kept, say across their conditions: copies, and what some of them lack."""
     sets = _sets(logs, lambda one: one.log)
-    return [one for each in sets for one in (*map(_copy, copies_across(each)), *_lacking(each))]
+    return [one for each in sets for one in (*map(_copy, copies_across(each)), *_of_glances(each))]
 
 
 def lines_of(found: Iterable[InSet]) -> list[str]:
@@ -90,9 +93,11 @@ def _copy(one: Copy) -> InSet:
     return InSet(one.log, Finding("", one.text, False), original=one.original, simulated=one.simulated)
 
 
-def _lacking(logs: Sequence[Glance]) -> list[InSet]:
-    found = incomplete(logs)
-    return [InSet(one.log, Finding(one.field, one.text, False), missing=True, left_out=one.left_out) for one in found]
+def _of_glances(logs: Sequence[Glance]) -> list[InSet]:
+    lacking = [
+        InSet(one.log, Finding(one.field, one.text, False), missing=True, left_out=one.left_out) for one in incomplete(logs)
+    ]
+    return [*(InSet(log, finding) for log, finding in unlike_sizes(logs)), *lacking]
 
 
 def refuse_odd(logs: Sequence[TestLog]) -> list[InSet]:
