@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.plants.pump_joint.simulation import log_columns, prepare
 from hjcamp.records.plan import Plan

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from hjcamp.campaign.console import bold
-from hjcamp.campaign.folder import RunFolder
+from hjcamp.campaign.execution.console import bold
+from hjcamp.campaign.files.run_folder import RunFolder
 from hjcamp.campaign.runner import RunResult
 from hjcamp.errors import HjcampError, RigStopped, counted, without_numbers
 from hjcamp.known_plants import DEFAULT, plant_called, plant_of

@@ -14,9 +14,9 @@ from hydra.experimental.callback import Callback
 from hydra.types import RunMode
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
-from hjcamp.campaign.objective import read_objectives
 from hjcamp.campaign.one_run import make_run
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.plan.objective import read_objectives
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.configuration.run_keys import read_run_keys
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError
@@ -92,7 +92,7 @@ def job(config: DictConfig) -> float | tuple[float, ...] | str | None:
 
 def run_campaign(config: DictConfig, sweep: bool) -> float | tuple[float, ...] | str:
     """Plan, run and conclude what ``config`` asks for; returns what `job` does."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
 
     hydra = HydraConfig.get()
     asked = OmegaConf.to_container(config, resolve=True)

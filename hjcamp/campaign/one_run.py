@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.campaign.before import say_before_moving
 from hjcamp.campaign.conclude import conclude
-from hjcamp.campaign.folder import RunFolder, folder_for
-from hjcamp.campaign.going_on import StopRule
-from hjcamp.campaign.on_cluster import cluster_for
-from hjcamp.campaign.planning import check_plan
-from hjcamp.campaign.provenance import code_identity
+from hjcamp.campaign.execution.before_moving import say_before_moving
+from hjcamp.campaign.execution.on_cluster import cluster_for
+from hjcamp.campaign.execution.stop_rule import StopRule
+from hjcamp.campaign.files.provenance import code_identity
+from hjcamp.campaign.files.run_folder import RunFolder, folder_for
+from hjcamp.campaign.plan.planning import check_plan
 from hjcamp.campaign.runner import RunResult, run_plan
 from hjcamp.configuration.run_keys import read_run_keys
 from hjcamp.live.feed import current_feed

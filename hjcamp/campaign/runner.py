@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.backends.rig.stop import StopSignals
-from hjcamp.campaign.execution import PRIVATE_NAME, Job, make_jobs
-from hjcamp.campaign.files import run_errors
-from hjcamp.campaign.folder import RunFolder
-from hjcamp.campaign.going_on import StopRule
-from hjcamp.campaign.lock import run_lock
-from hjcamp.campaign.outcome import Outcome
-from hjcamp.campaign.workers import available_workers, outcomes
+from hjcamp.campaign.execution.one_test import PRIVATE_NAME, Job, make_jobs
+from hjcamp.campaign.execution.outcome import Outcome
+from hjcamp.campaign.execution.stop_rule import StopRule
+from hjcamp.campaign.execution.workers import available_workers, outcomes
+from hjcamp.campaign.files.json_files import run_errors
+from hjcamp.campaign.files.lock import run_lock
+from hjcamp.campaign.files.run_folder import RunFolder
 from hjcamp.cluster import threads_of
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError, counted, without_numbers
 from hjcamp.records.plan import Plan, PlannedTest
@@ -110,9 +110,9 @@ def _run(
     say: Callable[[str], None],
     cluster: Any,
 ) -> Outcome | None:
-    from hjcamp.campaign.compiling import kernels_of
-    from hjcamp.campaign.ends import Ends
-    from hjcamp.campaign.progress import progress_bar
+    from hjcamp.campaign.execution.compiling import kernels_of
+    from hjcamp.campaign.execution.ended_tests import Ends
+    from hjcamp.campaign.execution.progress import progress_bar
     from hjcamp.model.compile.kernel_cache import cache_folder
 
     # Chosen here, so that the workers share it where the user's own cannot be written.
@@ -149,7 +149,7 @@ def _run(
 def _outcomes(jobs: Sequence[Job], workers: tuple[int, bool], cluster: Any, stop: Callable[[], bool]) -> Iterator[Outcome]:
     if cluster is None:
         return outcomes(jobs, *workers, stop=stop)
-    from hjcamp.campaign.on_cluster import outcomes_on_cluster
+    from hjcamp.campaign.execution.on_cluster import outcomes_on_cluster
 
     return outcomes_on_cluster(jobs, cluster, stop)
 

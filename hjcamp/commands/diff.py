@@ -30,7 +30,7 @@ def diff(
 
     Means of the same condition are compared by Welch's t test, with Holm's correction for the number of comparisons.
     """
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.report.run_difference import run_difference
 

@@ -32,7 +32,7 @@ def doctor(
     json: AnswerFile = None,
 ) -> None:
     """Check this installation: versions, folders, caches, the rig's driver; exit code 1 where something is broken."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.commands.shared.wrapped import print_wrapped
 
@@ -85,7 +85,7 @@ def findings(check: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:
 
 def versions() -> Iterator[Finding]:
     """Program, Python and packages."""
-    from hjcamp.campaign.provenance import provenance
+    from hjcamp.campaign.files.provenance import provenance
 
     facts = provenance()
     commit = f", commit {facts['git'][:12]}" if facts["git"] else ""

@@ -101,7 +101,7 @@ def effects(
 
 def write_catalogue(folder: Path) -> None:
     """Write the catalogue as pages."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.catalogue import write_pages
 
     written = write_pages(folder)
@@ -112,7 +112,7 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
     """Print every effect of a plant, and without one those for any plant: where it acts, what it is, its parameters."""
     from rich.table import Table
 
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.answers import effect_row
     from hjcamp.effects import effect_files, imposed_files, library_of
     from hjcamp.model.declare.port import KINDS
@@ -174,7 +174,7 @@ def show_effect(name: str, plant: str = "") -> dict[str, Any]:
 
     from rich.table import Table
 
-    from hjcamp.campaign.console import bold, make_console
+    from hjcamp.campaign.execution.console import bold, make_console
     from hjcamp.commands.shared.answers import effect_row
 
     effect = shown_effect(name, plant)
@@ -209,7 +209,7 @@ def show_effect(name: str, plant: str = "") -> dict[str, Any]:
 
 def write_new(name: str, plant: str = "", on: str = "", begun: Path | None = None) -> Path:
     """Write the template of an effect into ./effects: in the names of the usual plant, for a kind of place, or from a diagnosis."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
 
     if begun is not None:
         from hjcamp.commands.shared.effect_from import write_from_diagnosis
@@ -242,7 +242,7 @@ def new_effect_file(name: str, plant: str, on: str) -> Path:
 
 def test_effect(name: str, plant: str = "") -> dict[str, Any]:
     """Run the checks that every effect of the library passes on one effect, at each of its places."""
-    from hjcamp.campaign.console import bold, make_console
+    from hjcamp.campaign.execution.console import bold, make_console
     from hjcamp.effects import library_of
     from hjcamp.model.language.effect_units import check_units
 

@@ -25,7 +25,7 @@ def explain(
     json: AnswerFile = None,
 ) -> None:
     """Say what a word of the answers means, in one sentence, or what one of a plant's file takes: path, contact, State."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.effects import effect_files

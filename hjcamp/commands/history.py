@@ -34,9 +34,9 @@ def history(
     """
     from rich.table import Table
 
-    from hjcamp.campaign.console import make_console
-    from hjcamp.campaign.finding import FOLDERS, find_runs
-    from hjcamp.campaign.history import history_rows, moments_of, read_words
+    from hjcamp.campaign.execution.console import make_console
+    from hjcamp.campaign.runs.finding import FOLDERS, find_runs
+    from hjcamp.campaign.runs.history import history_rows, moments_of, read_words
     from hjcamp.commands.shared.session import check_answer_file, check_picture, write_answer
     from hjcamp.report.pictures.history import draw_history
 

@@ -35,9 +35,9 @@ def ls(
     """List runs, newest first; filter them with KEY=VALUE (campaign, state, payload, git, any parameter)."""
     from rich.table import Table
 
-    from hjcamp.campaign.console import make_console
-    from hjcamp.campaign.finding import FOLDERS, find_runs
-    from hjcamp.campaign.listing import USUAL, in_order, rows_of
+    from hjcamp.campaign.execution.console import make_console
+    from hjcamp.campaign.runs.finding import FOLDERS, find_runs
+    from hjcamp.campaign.runs.listing import USUAL, in_order, rows_of
     from hjcamp.commands.shared.session import check_answer_file, write_answer
 
     if folder is not None and not folder.is_dir():

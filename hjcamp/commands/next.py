@@ -37,7 +37,7 @@ def next_(
     """Propose the tests that best separate the explanations that remain, as a campaign that runs as it is."""
     from hjcamp.analyses.data import Data
     from hjcamp.analyses.diagnosing import Asked
-    from hjcamp.campaign.new_file import new_campaign
+    from hjcamp.campaign.plan.new_file import new_campaign
     from hjcamp.commands.any_plant import calls
     from hjcamp.commands.shared.session import check_answer_file, folder_for
     from hjcamp.known_plants import usual_plant

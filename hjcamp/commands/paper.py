@@ -39,7 +39,7 @@ def paper(
     effects in use) and, once, a main.tex that shows them all. A macro such as RampPosPidRmseOne holds a mean with its
     standard uncertainty, s over the root of n; ...Std the deviation of the tests, ...N their number.
     """
-    from hjcamp.campaign.console import bold, make_console
+    from hjcamp.campaign.execution.console import bold, make_console
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.errors import UsageError
     from hjcamp.report.paper.figures import formats_of, style_of

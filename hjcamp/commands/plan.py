@@ -52,7 +52,7 @@ def plan(
 
 def compose_plan(overrides: list[str], config_dir: Path | None = None) -> Plan:
     """Return the plan of ``hjcamp run`` with these overrides."""
-    from hjcamp.campaign.planning import composed_plan
+    from hjcamp.campaign.plan.planning import composed_plan
     from hjcamp.configuration.composer import Composer
 
     return composed_plan(overrides, Composer(folder=config_dir))[0]
@@ -62,8 +62,8 @@ def show_plan(made: Plan) -> None:
     """Print the plan as a person reads it."""
     from rich.table import Table
 
-    from hjcamp.campaign.before import say_notices
-    from hjcamp.campaign.console import bold, make_console
+    from hjcamp.campaign.execution.before_moving import say_notices
+    from hjcamp.campaign.execution.console import bold, make_console
 
     console = make_console()
     count = len(made.conditions)
@@ -102,7 +102,7 @@ def common_choices(made: Plan) -> str:
 
 def show_configuration(made: Plan, name: str | None) -> None:
     """Print the resolved configuration of one condition, or of all."""
-    from hjcamp.campaign.execution import configuration_text
+    from hjcamp.campaign.execution.one_test import configuration_text
     from hjcamp.errors import unknown
 
     names = [one.name for one in made.conditions]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.campaign.console import bold
+from hjcamp.campaign.execution.console import bold
 from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError
 
@@ -58,7 +58,7 @@ def show_list() -> dict[str, Any]:
     """Print every plant: what it is, what is measured, how many effects fit."""
     from rich.table import Table
 
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.answers import plant_row
     from hjcamp.effects import library_of
     from hjcamp.known_plants import plants_beside_faults
@@ -81,7 +81,7 @@ def show_list() -> dict[str, Any]:
 
 def show_plant(name: str, figure: Path | None) -> dict[str, Any]:
     """Print one plant: states, inputs, parameters, lines, places, and which effects fit."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.answers import plant_answer
     from hjcamp.commands.shared.session import check_picture
     from hjcamp.effects import library_of
@@ -183,7 +183,7 @@ def _import_map(console: Console, plant: type[Plant]) -> None:
 
 def write_new(name: str) -> Path:
     """Write the template of a plant into ./plants."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.plant_template import write_template
     from hjcamp.known_plants import plants_beside_faults
 
@@ -196,7 +196,7 @@ def write_new(name: str) -> Path:
 
 def run_tests(name: str) -> dict[str, Any]:
     """Run the checks that every plant passes on one plant."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.effects import library_of
     from hjcamp.known_plants import find_plant
     from hjcamp.model.checks.plant_bench import effects_seen, identified

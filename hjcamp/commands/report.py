@@ -39,7 +39,7 @@ def report(
     json: AnswerFile = None,
 ) -> None:
     """Make tables and the report page of a run folder or of logs, beside the published values."""
-    from hjcamp.campaign.console import bold, make_console
+    from hjcamp.campaign.execution.console import bold, make_console
     from hjcamp.campaign.further_pictures import further_pictures
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.report.answer import report_answer

@@ -28,9 +28,9 @@ def resume(
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Show the page to a browser.")] = True,
 ) -> None:
     """Go on with a run that was stopped: makes the tests that are missing, keeps those that are whole."""
-    from hjcamp.campaign.console import make_console
-    from hjcamp.campaign.folder import open_folder
-    from hjcamp.campaign.going_on import StopRule
+    from hjcamp.campaign.execution.console import make_console
+    from hjcamp.campaign.execution.stop_rule import StopRule
+    from hjcamp.campaign.files.run_folder import open_folder
     from hjcamp.campaign.one_run import finish_run
     from hjcamp.commands.shared.live import live as live_of
     from hjcamp.live.process import LiveAsk

@@ -55,7 +55,7 @@ def call_hydra(arguments: list[str], yes: bool = False) -> None:
     from hydra._internal.utils import get_args_parser
 
     from hjcamp.campaign import job as jobs
-    from hjcamp.campaign.sweep import read_sweep
+    from hjcamp.campaign.plan.sweep import read_sweep
     from hjcamp.configuration.composer import COMPOSE_ERRORS, Composer, free
     from hjcamp.configuration.explain import explain
     from hjcamp.configuration.overrides import key_of, parse_overrides
@@ -118,8 +118,8 @@ def confirm(jobs: int | None, yes: bool) -> None:
 
 def tell_of_sweep(folder: Path, directions: tuple[str, ...], fixed: list[str]) -> None:
     """Print where the runs of a sweep are, the best of them, and what to do next."""
-    from hjcamp.campaign.console import make_console
-    from hjcamp.campaign.sweep_results import SHOWN, read_results
+    from hjcamp.campaign.execution.console import make_console
+    from hjcamp.campaign.plan.sweep_results import SHOWN, read_results
 
     console = make_console()
     place = Path(os.path.relpath(folder))

@@ -22,9 +22,9 @@ def register(app: typer.Typer) -> None:
 
 def show(run: Annotated[Path, typer.Argument(help="The run folder.")], json: AnswerFile = None) -> None:
     """Show one run: its state, what it varies, its failures, its tables and where they are."""
-    from hjcamp.campaign.console import bold, make_console
-    from hjcamp.campaign.finding import FoundRun
-    from hjcamp.campaign.folder import open_folder
+    from hjcamp.campaign.execution.console import bold, make_console
+    from hjcamp.campaign.files.run_folder import open_folder
+    from hjcamp.campaign.runs.finding import FoundRun
     from hjcamp.commands.plan import common_choices
     from hjcamp.commands.shared.answers import run_answer
     from hjcamp.commands.shared.session import check_answer_file, write_answer

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.campaign.console import bold
+from hjcamp.campaign.execution.console import bold
 from hjcamp.commands.shared.complete import complete_override
 from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError, counted
@@ -39,7 +39,7 @@ def tune(
     case (conditions that differ only in their trajectory share one gain set) the gains with the smallest mean RMSE1,
     sought from those of Table 5.3.1 (--from simulation) and written to conf/controller/gains/CASE.yaml.
     """
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.known_plants import usual_plant
 
@@ -77,9 +77,9 @@ def told_of(case: str, result: Any, unit: str, gains: Mapping[str, Any], path: P
 
 def tune_laws(plan: Plan, lines: list[str], name: str | None, replace: bool, console: Console) -> list[dict[str, Any]]:
     """Tune the controllers of a campaign of another plant, one parameter set for each case, and save them."""
-    from hjcamp.campaign.compiling import Doing, kernels_of, status
-    from hjcamp.campaign.gains_file import free_place, write_gains
-    from hjcamp.campaign.retune_law import FACTOR, retune_law
+    from hjcamp.campaign.execution.compiling import Doing, kernels_of, status
+    from hjcamp.campaign.tuning.gains_file import free_place, write_gains
+    from hjcamp.campaign.tuning.retune_law import FACTOR, retune_law
 
     cases = cases_of(plan)
     if name is not None and len(cases) > 1:

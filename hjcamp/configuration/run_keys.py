@@ -24,7 +24,7 @@ class RunKeys(Group):
     run_dir: Word | None = None
     fail_fast: bool = False
     keep_going: bool = False
-    objective: Word | float | list[Word | float] | None = None  # read by campaign/objective.py
+    objective: Word | float | list[Word | float] | None = None  # read by campaign/plan/objective.py
     most_tests: int = between(1, LARGEST, default=100_000)
 
 

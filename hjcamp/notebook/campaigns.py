@@ -180,7 +180,7 @@ def resume(path: str | Path, live: bool | int = False) -> Run:
         ...
     hjcamp.errors.UsageError: logs is not a run folder: plan.json is missing
     """
-    from hjcamp.campaign.folder import open_folder
+    from hjcamp.campaign.files.run_folder import open_folder
     from hjcamp.campaign.one_run import finish_run
 
     folder = open_folder(Path(path))
@@ -209,8 +209,8 @@ def runs(*filters: str, columns: Sequence[str] = (), folder: str | Path | None =
     >>> hjcamp.runs("campaign=none_of_this_name").frame.height
     0
     """
-    from hjcamp.campaign.finding import FOLDERS, find_runs
-    from hjcamp.campaign.listing import USUAL, rows_of
+    from hjcamp.campaign.runs.finding import FOLDERS, find_runs
+    from hjcamp.campaign.runs.listing import USUAL, rows_of
 
     shown = list(dict.fromkeys([*USUAL, *columns]))
     found = find_runs([Path(folder)] if folder else FOLDERS, filters)
@@ -224,7 +224,7 @@ def _lines(overrides: Sequence[str], keys: Mapping[str, Any]) -> list[str]:
 
 
 def _planned(lines: Sequence[str]) -> tuple[Planned, dict[str, Any]]:
-    from hjcamp.campaign.planning import composed_plan
+    from hjcamp.campaign.plan.planning import composed_plan
     from hjcamp.configuration.composer import Composer
     from hjcamp.configuration.overrides import parse_overrides
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.plants.pump_joint.simulation import run_test
 from hjcamp.records.log import TestLog

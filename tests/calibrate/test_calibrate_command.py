@@ -142,7 +142,7 @@ def test_the_model_says_what_is_certain() -> None:
     [("pump_step", 3), ("compliance", 1), ("leakage", 1), ("friction", 7), ("open_loop_validation", 1)],
 )
 def test_campaigns_of_chapter_4_can_be_planned(name: str, conditions: int) -> None:
-    from hjcamp.campaign.planning import make_plan
+    from hjcamp.campaign.plan.planning import make_plan
 
     composer = Composer()
     plan = make_plan(composer.compose([f"campaign={name}"]).config, name, [f"campaign={name}"], composer)

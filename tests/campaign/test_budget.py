@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from hjcamp import cli
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError
 from hjcamp.plants.pump_joint.simulation import model_values

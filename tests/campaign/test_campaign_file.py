@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from hjcamp.campaign.campaign_file import read_campaign
+from hjcamp.campaign.plan.campaign_file import read_campaign
 from hjcamp.errors import UsageError
 
 GOOD: dict[str, Any] = {"name": "mine", "fixed": {"payload": "none"}, "vary": {"controller": ["pid", "ffwd_pid"]}}

@@ -21,11 +21,11 @@ from rich.console import Console
 
 import hjcamp
 import hjcamp.cluster
-from hjcamp.campaign import on_cluster
-from hjcamp.campaign.execution import Job, make_jobs
-from hjcamp.campaign.folder import RunFolder, folder_for, open_folder
-from hjcamp.campaign.outcome import Outcome
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.execution import on_cluster
+from hjcamp.campaign.execution.one_test import Job, make_jobs
+from hjcamp.campaign.execution.outcome import Outcome
+from hjcamp.campaign.files.run_folder import RunFolder, folder_for, open_folder
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.campaign.runner import RunResult, run_plan
 from hjcamp.cluster import as_done, connected, imported
 from hjcamp.configuration.composer import Composer

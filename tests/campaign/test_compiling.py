@@ -13,9 +13,9 @@ from numba.core.registry import cpu_target
 from rich.console import Console
 from rich.progress import Progress
 
-import hjcamp.campaign.progress as progress
+import hjcamp.campaign.execution.progress as progress
 from hjcamp import cli
-from hjcamp.campaign.compiling import Doing, Kernels, kernels_of, status
+from hjcamp.campaign.execution.compiling import Doing, Kernels, kernels_of, status
 from hjcamp.commands.shared.session import progress_of
 from hjcamp.configuration.composer import Composer
 from hjcamp.model.compile.kernel_cache import cache_folder, is_compiled, kernel_name
@@ -51,7 +51,7 @@ def in_terminal(width: int = 200) -> tuple[Console, io.StringIO]:
 def test_the_kernels_left_are_counted_down_whoever_compiles(
     cold: Path, composer: Composer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("hjcamp.campaign.compiling.LOOK_EVERY_S", -1.0)
+    monkeypatch.setattr("hjcamp.campaign.execution.compiling.LOOK_EVERY_S", -1.0)
     choices = (("controller=pid",), ("controller=ffwd_pid",), ("controller=pid", "payload=brass_8p5g"))
     kernels = kernels_of(configured(composer, *overrides) for overrides in choices)
     assert list(kernels.needed) == [
@@ -82,7 +82,7 @@ def test_a_faulty_configuration_needs_no_kernel_of_ours(composer: Composer) -> N
 
 
 def test_a_status_line_says_what_is_compiled_then_what_is_done(cold: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("hjcamp.campaign.compiling.LOOK_EVERY_S", -1.0)
+    monkeypatch.setattr("hjcamp.campaign.execution.compiling.LOOK_EVERY_S", -1.0)
     console, out = in_terminal()
     doing = Doing("searching")
     with status(console, Kernels({"one": ("text", "follow")}), doing):

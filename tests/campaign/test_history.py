@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from hjcamp.campaign.finding import FoundRun
-from hjcamp.campaign.history import history_rows, moments_of, read_words
+from hjcamp.campaign.runs.finding import FoundRun
+from hjcamp.campaign.runs.history import history_rows, moments_of, read_words
 from hjcamp.errors import UsageError
 from hjcamp.report.pictures.history import draw_history
 

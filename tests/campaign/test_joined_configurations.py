@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.campaign.campaign_file import read_campaign
-from hjcamp.campaign.conditions import draft_conditions
+from hjcamp.campaign.plan.campaign_file import read_campaign
+from hjcamp.campaign.plan.conditions import draft_conditions
 from hjcamp.configuration import composer as composer_module
 from hjcamp.configuration import hydra_plugins, search_path, shared_parts
 from hjcamp.configuration.composer import Composer, Composition

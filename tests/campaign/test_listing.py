@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.campaign.finding import find_runs
-from hjcamp.campaign.folder import folder_for
-from hjcamp.campaign.listing import in_order, rows_of
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.files.run_folder import folder_for
+from hjcamp.campaign.plan.planning import make_plan
+from hjcamp.campaign.runs.finding import find_runs
+from hjcamp.campaign.runs.listing import in_order, rows_of
 from hjcamp.commands.ls import ls
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.campaign.objective import read_objectives
-from hjcamp.campaign.sweep_results import JobResult, SweepResult
+from hjcamp.campaign.plan.objective import read_objectives
+from hjcamp.campaign.plan.sweep_results import JobResult, SweepResult
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.report.runs.indicators import frame_of
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.campaign.campaign_file import label_of
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.plan.campaign_file import label_of
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 from hjcamp.records.plan import Plan, folder_name, planned_tests, read_plan, seed_of

@@ -10,11 +10,12 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from hjcamp.campaign import code_changes, folder, provenance
-from hjcamp.campaign.code_changes import CodeState, code_state
-from hjcamp.campaign.folder import folder_for, open_folder
-from hjcamp.campaign.planning import make_plan
-from hjcamp.campaign.provenance import PACKAGES, own_code_sha256
+from hjcamp.campaign.files import code_changes, provenance
+from hjcamp.campaign.files import run_folder as folder
+from hjcamp.campaign.files.code_changes import CodeState, code_state
+from hjcamp.campaign.files.provenance import PACKAGES, own_code_sha256
+from hjcamp.campaign.files.run_folder import folder_for, open_folder
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.campaign.runner import run_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.records.plan import Plan

@@ -14,11 +14,11 @@ from typing import Any
 import pytest
 import yaml
 
-from hjcamp.campaign.finding import find_runs
-from hjcamp.campaign.folder import folder_for, open_folder
-from hjcamp.campaign.lock import is_locked, run_lock
-from hjcamp.campaign.planning import make_plan
-from hjcamp.campaign.values import common
+from hjcamp.campaign.files.dotted_paths import common
+from hjcamp.campaign.files.lock import is_locked, run_lock
+from hjcamp.campaign.files.run_folder import folder_for, open_folder
+from hjcamp.campaign.plan.planning import make_plan
+from hjcamp.campaign.runs.finding import find_runs
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.records.plan import Plan
@@ -119,7 +119,7 @@ def test_a_manifest_that_is_gone_is_made_anew(plan: Plan, empty_folder: Path) ->
 
 def test_one_process_at_a_time(empty_folder: Path) -> None:
     hold = (
-        "import sys; from pathlib import Path; from hjcamp.campaign.lock import run_lock\n"
+        "import sys; from pathlib import Path; from hjcamp.campaign.files.lock import run_lock\n"
         "with run_lock(Path(sys.argv[1])): print('held', flush=True); sys.stdin.read()"
     )
     root = str(Path(__file__).parents[2])
@@ -143,7 +143,7 @@ def test_one_process_at_a_time(empty_folder: Path) -> None:
 LOOKER = """
 import sys, time
 from pathlib import Path
-from hjcamp.campaign.lock import is_locked
+from hjcamp.campaign.files.lock import is_locked
 print("looks", flush=True)
 seen = 0
 while not Path("enough").exists():

@@ -14,13 +14,13 @@ import pytest
 from rich.console import Console
 
 import hjcamp.backends
-from hjcamp.campaign import workers as worker_processes
 from hjcamp.campaign.conclude import grouped
-from hjcamp.campaign.execution import Job
-from hjcamp.campaign.folder import RunFolder, folder_for, open_folder
-from hjcamp.campaign.going_on import StopRule
-from hjcamp.campaign.outcome import Outcome
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.execution import workers as worker_processes
+from hjcamp.campaign.execution.one_test import Job
+from hjcamp.campaign.execution.outcome import Outcome
+from hjcamp.campaign.execution.stop_rule import StopRule
+from hjcamp.campaign.files.run_folder import RunFolder, folder_for, open_folder
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.campaign.runner import RunResult, run_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError
@@ -75,7 +75,7 @@ def test_two_workers_write_the_same_logs(plan: Plan, monkeypatch: pytest.MonkeyP
     def in_worker(job: Job) -> Outcome:
         # A worker is a fresh process: the quick backend has to be put there too. Sent by value, as a closure.
         import hjcamp.backends
-        from hjcamp.campaign.execution import execute_in_worker
+        from hjcamp.campaign.execution.one_test import execute_in_worker
 
         def quick(config: dict[str, Any], seed: int) -> tuple[dict[str, Any], dict[str, str]]:
             noise = np.random.default_rng(seed).normal(size=50)

@@ -9,8 +9,8 @@ import pytest
 from rich.console import Console
 
 import hjcamp
-from hjcamp.campaign.folder import folder_for
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.files.run_folder import folder_for
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.campaign.runner import run_plan
 from hjcamp.configuration.composer import Composer
 

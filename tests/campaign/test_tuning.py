@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.campaign.gains_file import write_gains
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.plan.planning import make_plan
+from hjcamp.campaign.tuning.gains_file import write_gains
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.plants.pump_joint.studies import retune as search

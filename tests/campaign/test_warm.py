@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.controllers import find_controller
 from hjcamp.effects import load_effects

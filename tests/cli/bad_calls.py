@@ -35,7 +35,7 @@ SERVING = "is served at"
 # Imported once for all calls. Not polars: it starts threads, and those do not live through a fork.
 LOADED = (
     "hydra", "omegaconf", "pydantic", "numpy", "numba", "scipy.linalg", "scipy.optimize", "rich.console", "rich.table",
-    "hjcamp.cli", "hjcamp.configuration.check", "hjcamp.campaign.planning", "hjcamp.plants.pump_joint.simulation",
+    "hjcamp.cli", "hjcamp.configuration.check", "hjcamp.campaign.plan.planning", "hjcamp.plants.pump_joint.simulation",
     "hjcamp.records.find", "hjcamp.records.recover",
 )  # fmt: skip
 

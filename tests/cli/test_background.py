@@ -90,7 +90,7 @@ def test_the_process_compiles_for_a_diagnosis_first_and_waits_for_another(
 
 
 def test_the_tour_waits_for_what_it_needs_alone(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
 
     room, looks = usual_plant().own_room("kernels"), iter([["a"], ["a"], []])
     monkeypatch.setattr(room, "missing", lambda effects: next(looks))

@@ -19,9 +19,9 @@ from hypothesis import strategies as st
 
 import hjcamp.backends
 from hjcamp import cli
-from hjcamp.campaign.finding import find_runs
-from hjcamp.campaign.folder import open_folder
-from hjcamp.campaign.planning import check_plan
+from hjcamp.campaign.files.run_folder import open_folder
+from hjcamp.campaign.plan.planning import check_plan
+from hjcamp.campaign.runs.finding import find_runs
 from hjcamp.errors import UsageError
 from hjcamp.records.plan import config_sha256, plan_sha256, read_plan
 

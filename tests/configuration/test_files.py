@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint.calibrate.constants import attached_configuration

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from hjcamp.campaign.planning import check_call, make_plan
-from hjcamp.campaign.values import leaves
+from hjcamp.campaign.files.dotted_paths import leaves
+from hjcamp.campaign.plan.planning import check_call, make_plan
 from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.composer import Composer
 from hjcamp.configuration.run_keys import read_run_keys

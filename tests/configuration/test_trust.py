@@ -13,7 +13,7 @@ from omegaconf import OmegaConf
 
 import hjcamp
 from hjcamp import cli
-from hjcamp.campaign.campaign_file import read_campaign
+from hjcamp.campaign.plan.campaign_file import read_campaign
 from hjcamp.configuration.composer import Composer
 from hjcamp.configuration.search_path import packaged_root
 from hjcamp.configuration.trust import check_file

@@ -12,7 +12,7 @@ from carriage import PERIOD, measured_log
 
 from hjcamp.analyses.data import Data
 from hjcamp.backends.plant_simulation import reference_of
-from hjcamp.campaign.campaign_file import read_campaign
+from hjcamp.campaign.plan.campaign_file import read_campaign
 from hjcamp.commands.any_plant.next_answer import no_campaign
 from hjcamp.commands.any_plant.next_campaign import written_campaign
 from hjcamp.diagnosis.data.tests import measured_tests

@@ -21,8 +21,8 @@ from rich.console import Console
 
 import hjcamp
 from hjcamp.backends.recording import Recording, Samples
-from hjcamp.campaign.ends import Ends, condition_line, followed_error
-from hjcamp.campaign.outcome import Outcome
+from hjcamp.campaign.execution.ended_tests import Ends, condition_line, followed_error
+from hjcamp.campaign.execution.outcome import Outcome
 from hjcamp.cli import run
 from hjcamp.commands.shared.live import take_live
 from hjcamp.errors import UsageError

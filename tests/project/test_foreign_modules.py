@@ -23,7 +23,7 @@ START = {
     "print(process.communicate(b'', 60), process.returncode)",
     "helpers": "import os\nfrom hjcamp.workers.processes import Helpers\n"
     "import tempfile\nhelpers = Helpers(1, os.getpid)\nprint(list(helpers.each(max, 1, [1, 2, 3])))\nhelpers.close()",
-    "workers": "from hjcamp.campaign.workers import LOKY\nfrom hjcamp.children import safe_children\n"
+    "workers": "from hjcamp.campaign.execution.workers import LOKY\nfrom hjcamp.children import safe_children\n"
     "from joblib import Parallel, delayed, parallel_config\n"
     "with safe_children(), parallel_config(**LOKY):\n    print(Parallel(n_jobs=2)(delayed(abs)(-one) for one in range(3)))",
 }

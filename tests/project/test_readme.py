@@ -10,7 +10,7 @@ import pytest
 
 import hjcamp
 from hjcamp import cli
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.commands import command_files
 from hjcamp.configuration.composer import Composer
 from hjcamp.effects import find_effect

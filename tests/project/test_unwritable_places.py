@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hjcamp.campaign.execution import no_place
+from hjcamp.campaign.execution.one_test import no_place
 from hjcamp.model.compile import kernel_cache
 
 

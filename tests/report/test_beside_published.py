@@ -12,7 +12,7 @@ import yaml
 from report_samples import as_planned, make_log, write_plan
 from report_samples import make_plan as make_sample_plan
 
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint.published.configurations import (

@@ -15,8 +15,8 @@ from report_samples import make_log
 from rich.table import Table
 
 from hjcamp import cli
-from hjcamp.campaign.console import bold, make_console
-from hjcamp.campaign.progress import progress_bar
+from hjcamp.campaign.execution.console import bold, make_console
+from hjcamp.campaign.execution.progress import progress_bar
 from hjcamp.commands.shared.streams import Visible
 from hjcamp.errors import visible
 from hjcamp.records.write import write_log

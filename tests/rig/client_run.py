@@ -16,8 +16,8 @@ from fault_run import DITHER, PRELOAD, PUMP, Row, readable
 from processes import Cable, connection, program, wait_until
 from rich.console import Console
 
-from hjcamp.campaign.folder import folder_for, open_folder
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.files.run_folder import folder_for, open_folder
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.campaign.runner import run_plan
 from hjcamp.plants.pump_joint.virtual_rig.device import IDLE_S, VirtualDevice
 from hjcamp.plants.pump_joint.virtual_rig.server import start_server

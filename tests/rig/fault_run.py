@@ -13,8 +13,8 @@ import pytest
 from fault_cases import WHEN, Case
 from rich.console import Console
 
-from hjcamp.campaign.folder import folder_for, open_folder
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.files.run_folder import folder_for, open_folder
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.campaign.runner import run_plan
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.plants.pump_joint.rig import connection as rig_connection

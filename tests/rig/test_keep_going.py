@@ -13,9 +13,9 @@ import pytest
 from rich.console import Console
 
 from hjcamp import cli
-from hjcamp.campaign.folder import RunFolder, folder_for, open_folder
-from hjcamp.campaign.going_on import StopRule
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.execution.stop_rule import StopRule
+from hjcamp.campaign.files.run_folder import RunFolder, folder_for, open_folder
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.campaign.runner import RunResult, run_plan
 from hjcamp.errors import RigStopped
 from hjcamp.plants.pump_joint.rig.control import RigControl

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from hjcamp import cli
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint.rig.reach import check_test, need_of
 

@@ -11,8 +11,8 @@ import pytest
 from mcap.reader import make_reader
 from rich.console import Console
 
-from hjcamp.campaign.folder import RunFolder, folder_for
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.files.run_folder import RunFolder, folder_for
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.campaign.runner import run_plan
 from hjcamp.errors import RigStopped
 from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice

@@ -15,7 +15,7 @@ import pytest
 
 import hjcamp
 from hjcamp import locks
-from hjcamp.campaign.lock import is_locked, run_lock
+from hjcamp.campaign.files.lock import is_locked, run_lock
 from hjcamp.errors import HjcampError
 from hjcamp.plants.pump_joint.rig import lock as rig_lock
 from hjcamp.plants.pump_joint.rig.connection import RigUnavailable
@@ -29,7 +29,7 @@ rig_lock.rig_identity = lambda config: "the rig of nobody"
 rig_lock.take_lock({})
 print(json.dumps(rig_lock.read_holder(rig_lock.lock_path("the rig of nobody"))["user"]))
 from pathlib import Path
-from hjcamp.campaign.lock import run_lock
+from hjcamp.campaign.files.lock import run_lock
 with run_lock(Path.cwd()):
     sys.exit(cli.run(["doctor"]))
 """

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
     """Say which effect the model of a plant misses; the answer is that of ``hjcamp diagnose``."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import folder_for, keep_answer, progress_of, write_answer
 
     console = make_console()
@@ -43,7 +43,7 @@ def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
 
 def compare(data: Data, names: list[str], json: Path | None, into: Path | None, mcap: Path | None = None) -> None:
     """Predict measured tests of a plant with one or more models."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import folder_for, progress_of, tell_of_views, write_answer
 
     console = make_console()
@@ -71,7 +71,7 @@ def compare(data: Data, names: list[str], json: Path | None, into: Path | None, 
 
 def add(there: list[Path], names_and_paths: list[str], name: str, model: str, json: Path | None) -> None:
     """Fit effects of a plant, save the model, and show the error on blocks that were not used; ``there`` are its logs."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import progress_of, write_answer
 
     data = Data(there)
@@ -102,7 +102,7 @@ def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool,
     """Fit the base parameters of a plant to tests and save them as a model."""
     if only:
         raise UsageError(f"--only {only[0]}: it chooses logs of {DEFAULT}; of plant {data.plant_name} name the logs themselves")
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import progress_of, write_answer
 
     console = make_console()
@@ -138,7 +138,7 @@ def propose(
     import time
 
     from hjcamp.analyses.proposing import propose_for_plant
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.any_plant import next_answer as said
     from hjcamp.commands.any_plant.next_campaign import written_campaign
     from hjcamp.commands.shared.session import folder_for, progress_of, write_answer

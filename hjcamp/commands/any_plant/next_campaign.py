@@ -19,7 +19,7 @@ JUMP = 1e-3
 
 def written_campaign(done: PlantProposed, data: Data, name: str | None) -> Path | None:
     """Write the proposed tests as ``campaigns/NAME.yaml`` and return it; None where `hjcamp run` cannot make all of them."""
-    from hjcamp.campaign.new_file import new_campaign, write_campaign
+    from hjcamp.campaign.plan.new_file import new_campaign, write_campaign
     from hjcamp.commands.any_plant.next_answer import names_of
 
     tests = done.proposal.tests[: done.proposal.chosen]

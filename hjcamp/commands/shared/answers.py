@@ -11,7 +11,7 @@ from hjcamp.json_text import read_json
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from hjcamp.campaign.finding import FoundRun
+    from hjcamp.campaign.runs.finding import FoundRun
     from hjcamp.model.declare.effect import Effect
     from hjcamp.model.declare.parameter import Parameter
     from hjcamp.model.declare.plant import Plant

@@ -102,7 +102,7 @@ def complete_columns(incomplete: str) -> list[str]:
     """Return columns of a list of runs, behind the commas, the plus or the minus that are there."""
 
     def found() -> list[str]:
-        from hjcamp.campaign.listing import SESSION, USUAL
+        from hjcamp.campaign.runs.listing import SESSION, USUAL
         from hjcamp.report.runs.indicators import CHOICES, INDICATORS
 
         head, comma, last = incomplete.rpartition(",")

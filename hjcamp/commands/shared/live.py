@@ -46,7 +46,7 @@ def live(asked: LiveAsk | None) -> AbstractContextManager[None]:
     """Return the context of a run with the page that was asked for, or without one."""
     if asked is None:
         return nullcontext()
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.live.process import live_page
 
     console = make_console()

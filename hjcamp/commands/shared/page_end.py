@@ -27,7 +27,7 @@ def made_from(logs: Iterable[TestLog]) -> str:
     import shlex
 
     from hjcamp import __version__
-    from hjcamp.campaign.provenance import git_label, utc_now
+    from hjcamp.campaign.files.provenance import git_label, utc_now
     from hjcamp.configuration.saved_model import log_hashes
     from hjcamp.errors import counted
     from hjcamp.report.pages.discrepancy_page import heading, table_of

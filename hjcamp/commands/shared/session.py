@@ -132,7 +132,7 @@ def _is_standard_output(path: Path) -> bool:
 @contextmanager
 def progress_of(console: Console) -> Iterator[Callable[[str, float], None]]:
     """Show what is being done and the time left on a terminal, a line now and then elsewhere; yields report(text, share)."""
-    from hjcamp.campaign.progress import Lines, TimeLeft
+    from hjcamp.campaign.execution.progress import Lines, TimeLeft
 
     if not console.is_terminal:
         lines = Lines()

@@ -14,9 +14,9 @@ def show_sweep(overrides: list[str], folder: Path | None) -> None:
     """Print the jobs of ``hjcamp run -m`` with these overrides, or where its sweeper will look, with tests and motion."""
     from rich.table import Table
 
-    from hjcamp.campaign.console import make_console
-    from hjcamp.campaign.planning import composed_plan
-    from hjcamp.campaign.sweep import read_sweep
+    from hjcamp.campaign.execution.console import make_console
+    from hjcamp.campaign.plan.planning import composed_plan
+    from hjcamp.campaign.plan.sweep import read_sweep
     from hjcamp.commands.shared.duration import duration_text
     from hjcamp.configuration.composer import Composer, free
     from hjcamp.configuration.overrides import parse_overrides

@@ -58,7 +58,7 @@ def comment_of(model: str, found: Addition) -> list[str]:
 def provenance_of(found: Addition, evidence: Evidence, command: str, content: dict[str, Any]) -> dict[str, Any]:
     """Return where the model comes from: command, version, time, fit, intervals, logs by hash."""
     from hjcamp import __version__
-    from hjcamp.campaign.provenance import git_label, utc_now
+    from hjcamp.campaign.files.provenance import git_label, utc_now
     from hjcamp.configuration.saved_model import log_hashes
 
     intervals = {key: [float(f"{end:.5g}") for end in row["ci95"]] for key, row in found.calibration.items()}

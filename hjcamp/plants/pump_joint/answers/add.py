@@ -19,7 +19,7 @@ BAR = 30
 
 def add(there: list[Path], effects_and_paths: list[str], name: str, model: str, json: Path | None) -> None:
     """Fit effects, save the model, and show the error on tests that were not used."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.effects_and_paths import split
     from hjcamp.commands.shared.session import progress_of, write_answer
     from hjcamp.configuration.saved_model import check_new_name

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool, json: Path | None) -> None:
     """Identify the constants that these tests support, write model, rig and page."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import write_answer
     from hjcamp.plants.pump_joint.figures.identification import identification_page
     from hjcamp.storage import whole_file

@@ -23,7 +23,7 @@ SHOWN = 6
 
 def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
     """Say what the model misses; print, write the answer, the pictures and the page."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import folder_for, keep_answer, progress_of, write_answer
     from hjcamp.plants.pump_joint.analyses.diagnosing import diagnose_joint
 

@@ -44,7 +44,7 @@ def configured(overrides: list[str]) -> dict[str, Any]:
 
 def draw(name: str, config: dict[str, Any], path: Path) -> None:
     """Simulate one test without and with the effect and write the picture."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.plants.pump_joint.figures.effect import draw_effect
 
     console = make_console()
@@ -56,7 +56,7 @@ def draw(name: str, config: dict[str, Any], path: Path) -> None:
 
 def simulated_pair(name: str, config: dict[str, Any], console: Console) -> tuple[Columns, Columns]:
     """Simulate one test without and with an effect and return the columns of both."""
-    from hjcamp.campaign.compiling import kernels_of, status
+    from hjcamp.campaign.execution.compiling import kernels_of, status
     from hjcamp.model.files.time_limit import RunLimit
     from hjcamp.plants.pump_joint.simulation import run_test
 
@@ -83,7 +83,7 @@ def paint(figure: Any, name: str, overrides: list[str], console: Console) -> Non
 
 def checks(effect: type[Effect], longest_s: float, console: Console) -> Iterator[tuple[str, str]]:
     """Run the checks on simulated tests of the joint."""
-    from hjcamp.campaign.compiling import Kernels, status
+    from hjcamp.campaign.execution.compiling import Kernels, status
     from hjcamp.model.files.time_limit import RunLimit
     from hjcamp.plants.pump_joint import PumpJoint
     from hjcamp.plants.pump_joint.effect_checks import CHECKS, EffectBench, bench_simulator

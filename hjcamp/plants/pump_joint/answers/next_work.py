@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hjcamp.campaign.campaign_file import RUN_KEYS
+from hjcamp.campaign.plan.campaign_file import RUN_KEYS
 from hjcamp.configuration.composer import as_override, free
 from hjcamp.configuration.overrides import key_of, parse_overrides
 from hjcamp.errors import UsageError, unknown

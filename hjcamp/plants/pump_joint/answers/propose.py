@@ -23,8 +23,8 @@ def propose(
     logs: list[Path], words: list[str], rivals: list[str], tests: int, asked: Asked, name: str | None, json: Path | None
 ) -> None:
     """Propose tests, and write them as a campaign."""
-    from hjcamp.campaign.console import make_console
-    from hjcamp.campaign.new_file import new_campaign, write_campaign
+    from hjcamp.campaign.execution.console import make_console
+    from hjcamp.campaign.plan.new_file import new_campaign, write_campaign
     from hjcamp.commands.shared.session import folder_for, progress_of, write_answer
     from hjcamp.plants.pump_joint.diagnosis.design.campaign_file import campaign_content
 

@@ -24,7 +24,7 @@ def diagnose_tables(
 ) -> None:  # fmt: skip
     """Say what the model misses, judged by tables alone; the folder of the answer keeps every finished fit."""
     from hjcamp.analyses.diagnosing import check_seed, considered
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import check_answer_file, keep_answer, progress_of, write_answer
 
     began = time.perf_counter()
@@ -119,7 +119,7 @@ def print_errors(console: Console, content: Mapping[str, Any], fitted: str = "fi
 
 def compare_tables(words: Sequence[str], names: Sequence[str], json: Path | None) -> None:
     """Simulate the conditions of tables with saved models, as ``hjcamp run`` would, and show the error of each."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import check_answer_file, progress_of, write_answer
 
     check_answer_file(json)
@@ -140,8 +140,8 @@ def compare_tables(words: Sequence[str], names: Sequence[str], json: Path | None
 
 def add_table(path: Path, name: str, json: Path | None) -> None:
     """Save the model of a table's diagnosis under a name."""
-    from hjcamp.campaign.console import make_console
-    from hjcamp.campaign.provenance import git_label, utc_now
+    from hjcamp.campaign.execution.console import make_console
+    from hjcamp.campaign.files.provenance import git_label, utc_now
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.configuration.saved_model import check_new_name, rounded, write_content
     from hjcamp.plants.pump_joint.configuration import check_model

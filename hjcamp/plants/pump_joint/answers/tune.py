@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.campaign.console import bold
+from hjcamp.campaign.execution.console import bold
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -22,9 +22,9 @@ def stability_method(
     lines: list[str], name: str | None, step_deg: float, replace: bool, config_dir: Path | None, console: Console
 ) -> dict[str, Any]:
     """Print, and save where asked, the gains that follow from the critical point of each direction."""
-    from hjcamp.campaign.compiling import kernels_of, status
-    from hjcamp.campaign.gains_file import free_place, write_gains
-    from hjcamp.campaign.planning import make_plan
+    from hjcamp.campaign.execution.compiling import kernels_of, status
+    from hjcamp.campaign.plan.planning import make_plan
+    from hjcamp.campaign.tuning.gains_file import free_place, write_gains
     from hjcamp.configuration.composer import Composer, free
     from hjcamp.plants.pump_joint.studies.critical_gain import critical_point
 
@@ -65,7 +65,7 @@ def tune_campaign(
     plan: Plan, lines: list[str], name: str | None, start: str, replace: bool, config_dir: Path | None, console: Console
 ) -> list[dict[str, Any]]:
     """Tune the gains of every case of a campaign and save them."""
-    from hjcamp.campaign.gains_file import free_place, write_gains
+    from hjcamp.campaign.tuning.gains_file import free_place, write_gains
     from hjcamp.commands.tune import cases_of, told_of
     from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer
@@ -103,7 +103,7 @@ def tune_campaign(
 
 def search(conditions: list[Condition], first: Mapping[str, Mapping[str, float]], seed: int, console: Console) -> Retuned:
     """Return the gains found for conditions that share them; says on a terminal how far the search is."""
-    from hjcamp.campaign.compiling import Doing, kernels_of, status
+    from hjcamp.campaign.execution.compiling import Doing, kernels_of, status
     from hjcamp.plants.pump_joint.studies.retune import retune
 
     doing = Doing("searching")

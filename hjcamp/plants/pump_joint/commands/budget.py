@@ -33,8 +33,8 @@ def budget(
 ) -> None:
     """What costs how much: each part of the rig halved or each effect removed, gains tuned again, errors before and after."""
     from hjcamp.analyses.diagnosing import check_seed
-    from hjcamp.campaign.compiling import Doing, kernels_of, status
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.compiling import Doing, kernels_of, status
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.plan import compose_plan
     from hjcamp.commands.shared.session import check_answer_file, check_picture, write_answer
     from hjcamp.plants.pump_joint.figures.budget import draw_budget
@@ -105,7 +105,7 @@ def _row(one: Item) -> dict[str, Any]:
 def _print(name: str, items: list[Item], share: float) -> None:
     from rich.table import Table
 
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.report.tables.sheet import with_deviation
 
     table = Table(title=f"{name}: each part down to {share:g} of what it is", title_justify="left", box=None, pad_edge=False)

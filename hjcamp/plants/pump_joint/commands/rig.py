@@ -93,8 +93,8 @@ def check(
 ) -> None:
     """Check wiring, noise, preload and directions with small motions; a rig must pass before it runs a campaign."""
     from hjcamp.backends import before_moving, compile_ahead
-    from hjcamp.campaign.compiling import kernels_of, status
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.compiling import kernels_of, status
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer, free

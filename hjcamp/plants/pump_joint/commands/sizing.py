@@ -62,7 +62,7 @@ def show_formulas() -> dict[str, Any]:
     """Print every quantity beside what the thesis prints; returns the answer for programs."""
     from rich.table import Table
 
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.plants.pump_joint.sizing.reference import decimals, quantities
     from hjcamp.report.wording.units import plain
 
@@ -96,7 +96,7 @@ def show_formulas() -> dict[str, Any]:
 
 def answer_question(lines: list[str]) -> dict[str, Any]:
     """Print whether the joint can do it with each friction, and what stops it; returns the answer for programs."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.plants.pump_joint.sizing import capability
 
     asked, overrides = _split(lines)
@@ -162,7 +162,7 @@ def _joint_and_frictions(overrides: list[str]) -> tuple[Joint, list[Friction]]:
 def _print_answers(answers: list[dict[str, Any]], tension: float | None) -> None:
     from rich.table import Table
 
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
 
     console = make_console()
     table = Table(box=None, header_style="bold", pad_edge=False)
@@ -187,7 +187,7 @@ def _print_answers(answers: list[dict[str, Any]], tension: float | None) -> None
 
 def draw(output: Path, lines: list[str]) -> None:
     """Draw every figure into a folder: those of the formulas, and those of the configured friction and payload."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer
     from hjcamp.plants.pump_joint.figures.joint import figures_of

@@ -36,7 +36,7 @@ def tour(
     effort: Annotated[str, typer.Option(help="Of the diagnosis: quick, standard or thorough.")] = "quick",
 ) -> None:
     """A few minutes with sample logs: find the effect that hides in them, add it, see the error fall, open the answer."""
-    from hjcamp.campaign.console import make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.warm import wait
     from hjcamp.plants.pump_joint.tour.kinds import Tour
     from hjcamp.plants.pump_joint.tour.spindle import SPINDLE

@@ -12,7 +12,7 @@ from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.calibrate.string_slip import string_warning as note
 
 if TYPE_CHECKING:
-    from hjcamp.campaign.folder import RunFolder
+    from hjcamp.campaign.files.run_folder import RunFolder
     from hjcamp.records.log import TestLog
     from hjcamp.report.build import Report
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hjcamp.campaign.planning import make_plan
+from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError, unknown
 from hjcamp.plants.pump_joint.tables.cells import Cells

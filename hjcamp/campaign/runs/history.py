@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hjcamp.campaign.finding import FoundRun
+from hjcamp.campaign.runs.finding import FoundRun
 from hjcamp.errors import UsageError, unknown
 from hjcamp.json_text import read_json
 from hjcamp.report.runs.indicators import INDICATORS

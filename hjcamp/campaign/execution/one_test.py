@@ -15,8 +15,8 @@ from typing import Any
 
 import yaml
 
-from hjcamp.campaign.outcome import Outcome
-from hjcamp.campaign.provenance import log_provenance
+from hjcamp.campaign.execution.outcome import Outcome
+from hjcamp.campaign.files.provenance import log_provenance
 from hjcamp.errors import HjcampError, Interrupted, RigStopped
 from hjcamp.known_plants import usual_plant
 from hjcamp.records.plan import Condition, Plan, PlannedTest
@@ -103,7 +103,7 @@ def execute(job: Job) -> Outcome:
     from hjcamp import backends
     from hjcamp.backends.recording import recording
     from hjcamp.backends.rig.fault import RigFault
-    from hjcamp.campaign.ends import followed_error
+    from hjcamp.campaign.execution.ended_tests import followed_error
     from hjcamp.live.feed import current_feed
     from hjcamp.records.log import TestLog
     from hjcamp.records.write import LogWriter, write_log

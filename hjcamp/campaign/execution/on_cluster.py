@@ -9,9 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from hjcamp.campaign.execution import Job, execute, failed_to_write, private_place
-from hjcamp.campaign.outcome import Outcome
-from hjcamp.campaign.provenance import log_provenance
+from hjcamp.campaign.execution.one_test import Job, execute, failed_to_write, private_place
+from hjcamp.campaign.execution.outcome import Outcome
+from hjcamp.campaign.files.provenance import log_provenance
 from hjcamp.cluster import as_done, connected
 from hjcamp.errors import UsageError
 from hjcamp.records.plan import Plan

@@ -8,8 +8,8 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from hjcamp.campaign.execution import Job, execute, execute_in_worker, ignore_interrupts
-from hjcamp.campaign.outcome import Outcome
+from hjcamp.campaign.execution.one_test import Job, execute, execute_in_worker, ignore_interrupts
+from hjcamp.campaign.execution.outcome import Outcome
 from hjcamp.children import safe_children
 from hjcamp.errors import HjcampError
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hjcamp.campaign.folder import open_folder
-from hjcamp.campaign.lock import is_locked
-from hjcamp.campaign.values import look_up
+from hjcamp.campaign.files.dotted_paths import look_up
+from hjcamp.campaign.files.lock import is_locked
+from hjcamp.campaign.files.run_folder import open_folder
 from hjcamp.errors import UsageError
 from hjcamp.records.find import tell
 from hjcamp.records.plan import Plan

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.campaign.objective import Objective, read_objectives
-from hjcamp.campaign.planning import check_call
-from hjcamp.campaign.values import look_up
+from hjcamp.campaign.files.dotted_paths import look_up
+from hjcamp.campaign.plan.objective import Objective, read_objectives
+from hjcamp.campaign.plan.planning import check_call
 from hjcamp.configuration import optuna_sweeper
 from hjcamp.configuration.search_space import asked_of, count_of, ends_of, space_of
 from hjcamp.errors import UsageError, unknown

@@ -14,8 +14,8 @@ from hjcamp.live.feed import current_feed
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hjcamp.campaign.folder import RunFolder
-    from hjcamp.campaign.outcome import Outcome
+    from hjcamp.campaign.execution.outcome import Outcome
+    from hjcamp.campaign.files.run_folder import RunFolder
     from hjcamp.records.plan import PlannedTest
 
 COMMAND_PHASE = 3.0

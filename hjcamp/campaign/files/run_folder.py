@@ -12,10 +12,10 @@ from typing import Any
 
 import yaml
 
-from hjcamp.campaign.files import run_errors, write_json
-from hjcamp.campaign.lock import is_locked
-from hjcamp.campaign.provenance import code, code_identity, provenance, utc_now
-from hjcamp.campaign.values import common, leaves
+from hjcamp.campaign.files.dotted_paths import common, leaves
+from hjcamp.campaign.files.json_files import run_errors, write_json
+from hjcamp.campaign.files.lock import is_locked
+from hjcamp.campaign.files.provenance import code, code_identity, provenance, utc_now
 from hjcamp.errors import UsageError, counted
 from hjcamp.records.manifest import new_manifest, read_manifest
 from hjcamp.records.plan import Plan, read_plan

@@ -15,7 +15,7 @@ from rich.text import Text
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from hjcamp.campaign.compiling import Kernels
+    from hjcamp.campaign.execution.compiling import Kernels
 
 STILL_S, STILL_STEPS = 3.0, 3.0
 EVERY_S = 30.0

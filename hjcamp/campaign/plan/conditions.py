@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.campaign.campaign_file import RUN_KEYS, Axis, Campaign, label_of
+from hjcamp.campaign.plan.campaign_file import RUN_KEYS, Axis, Campaign, label_of
 from hjcamp.configuration.composer import as_override
 from hjcamp.configuration.overrides import key_of, parse_overrides
 from hjcamp.errors import UsageError

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from hjcamp.campaign.outcome import Outcome
+from hjcamp.campaign.execution.outcome import Outcome
 from hjcamp.errors import HjcampError, UsageError
 
 

@@ -6,8 +6,8 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from hjcamp.campaign.finding import FoundRun
-from hjcamp.campaign.values import look_up
+from hjcamp.campaign.files.dotted_paths import look_up
+from hjcamp.campaign.runs.finding import FoundRun
 from hjcamp.errors import UsageError, unknown
 from hjcamp.json_text import read_json
 from hjcamp.report.runs.indicators import CHOICES, INDICATORS

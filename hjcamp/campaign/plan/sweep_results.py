@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hjcamp.campaign.objective import Objective, read_objectives
+from hjcamp.campaign.plan.objective import Objective, read_objectives
 from hjcamp.errors import HjcampError
 from hjcamp.report.tables.formats import escape_csv
 from hjcamp.storage import write_whole

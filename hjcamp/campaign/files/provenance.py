@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import hjcamp
-from hjcamp.campaign.code_changes import CodeState, code_state
+from hjcamp.campaign.files.code_changes import CodeState, code_state
 from hjcamp.model.files.user_folders import extension_folders
 
 PACKAGES = ("grpcio", "hydra-core", "mcap", "nidaqmx", "numba", "numpy", "polars", "protobuf", "scipy")

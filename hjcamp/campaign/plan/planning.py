@@ -6,9 +6,9 @@ import fnmatch
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.campaign.campaign_file import RUN_KEYS, Campaign, label_of, read_campaign
-from hjcamp.campaign.conditions import Draft, draft_conditions
-from hjcamp.campaign.objective import read_objectives
+from hjcamp.campaign.plan.campaign_file import RUN_KEYS, Campaign, label_of, read_campaign
+from hjcamp.campaign.plan.conditions import Draft, draft_conditions
+from hjcamp.campaign.plan.objective import read_objectives
 from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.run_keys import RunKeys, read_run_keys
 from hjcamp.errors import UsageError, counted, nearest, shown, unknown

@@ -1,0 +1,1 @@
+"""Find runs, list them, and follow an indicator over them."""
