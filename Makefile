@@ -110,18 +110,18 @@ bench: $(WARM)
 	$(BIN)/python benchmarks/speed/live_timing.py
 
 benchmark: $(WARM)
-	$(BIN)/python benchmarks/hidden_effects.py --size full --effort standard --workers 2 --shift 700000 --page docs/benchmark.md
+	$(BIN)/python -m benchmarks.hidden_effects --size full --effort standard --workers 2 --shift 700000 --page docs/benchmark.md
 
 hidden_tables: $(WARM)
-	$(BIN)/python benchmarks/hidden_tables.py --page docs/hidden_tables.md
+	$(BIN)/python -m benchmarks.hidden_tables --page docs/hidden_tables.md
 
 levels: $(WARM)
-	$(BIN)/python benchmarks/levels.py --workers 2
-	$(BIN)/python benchmarks/levels.py --workers 2 --effects
-	$(BIN)/python benchmarks/levels.py --workers 2 --seeds 921000 60 --into benchmarks/results/levels_fresh.csv --page docs/levels.md
+	$(BIN)/python -m benchmarks.levels --workers 2
+	$(BIN)/python -m benchmarks.levels --workers 2 --effects
+	$(BIN)/python -m benchmarks.levels --workers 2 --seeds 921000 60 --into benchmarks/results/levels_fresh.csv --page docs/levels.md
 
 any_plant: $(WARM)
-	$(BIN)/python benchmarks/any_plant.py --page docs/any_plant.md
+	$(BIN)/python -m benchmarks.any_plant --page docs/any_plant.md
 
 foreign_machines: $(WARM)
 	$(BIN)/python -m benchmarks.foreign_machines --seeds 1001 1002 1003 --page docs/foreign_machines.md
@@ -134,7 +134,7 @@ unmoved-long: $(WARM)
 	$(BIN)/python -m benchmarks.unmoved --long --base $(or $(BASE),HEAD~1)
 
 next_value: $(WARM)
-	$(BIN)/python benchmarks/next_value.py --page docs/next_value.md
+	$(BIN)/python -m benchmarks.next_value --page docs/next_value.md
 
 thesis_gap: $(WARM)
 	$(BIN)/hjcamp diagnose --tables 5.4.1 5.4.2 --effort $(EFFORT) --workers 2 --json docs/thesis_gap.json

@@ -13,12 +13,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from any_plant import AnyCase, run_case
-from any_plant_judging import page
-from hidden_effects_ledger import Ledger, code_version
 from truth.hidden_form import NOTHING
 
-from . import ROOT, accumulator, belt, crane, heater, hysteretic, inductor, levitation, oven, shaft, suspension
+from benchmarks import ROOT
+from benchmarks.any_plant.judging import page
+from benchmarks.any_plant.running import AnyCase, run_case
+from benchmarks.hidden_effects.ledger import Ledger, code_version
+
+from . import accumulator, belt, crane, heater, hysteretic, inductor, levitation, oven, shaft, suspension
 from .machine import Machine
 
 KNOWN = (accumulator, belt, crane, heater, hysteretic, inductor, levitation, oven, shaft, suspension)

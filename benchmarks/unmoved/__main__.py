@@ -20,7 +20,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from .sets import ROOT, SETS, LogSet, listed
+from benchmarks import ROOT
+
+from .sets import SETS, LogSet, listed
 
 KEPT = ROOT / "benchmarks" / "results" / "unmoved.json"
 CLOSE = 1e-6

@@ -5,22 +5,19 @@ Each is made by programs that share no code with hjcamp.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
-sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "benchmarks")]
+from truth.case import write_case
+from truth.servo_case import write_servo_case
+from truth.tanks_case import write_tanks_case
 
-import any_plant  # noqa: E402
-import hidden_effects_cases  # noqa: E402
-from foreign_machines import accumulator, heater, hysteretic, inductor, oven, shaft  # noqa: E402
-from foreign_machines.__main__ import MACHINES  # noqa: E402
-from truth.case import write_case  # noqa: E402
-from truth.servo_case import write_servo_case  # noqa: E402
-from truth.tanks_case import write_tanks_case  # noqa: E402
+from benchmarks.any_plant import running as any_plant
+from benchmarks.foreign_machines import accumulator, heater, hysteretic, inductor, oven, shaft
+from benchmarks.foreign_machines.__main__ import MACHINES
+from benchmarks.hidden_effects import cases as hidden_effects_cases
 
 SEED = 90001
 

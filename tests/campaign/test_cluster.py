@@ -292,15 +292,14 @@ def test_work_beside_the_package_is_imported_where_it_runs(tmp_path: Path, monke
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.usefixtures("empty_folder")
 def test_the_cases_of_a_benchmark_go_to_a_cluster_and_those_of_a_killed_worker_again(
-    cluster: Cluster, monkeypatch: pytest.MonkeyPatch
+    cluster: Cluster,
 ) -> None:
-    monkeypatch.syspath_prepend(str(REPOSITORY / "benchmarks"))
-    from hidden_effects_cases import plan as cases
-    from on_cluster import there
+    from benchmarks.hidden_effects.cases import plan as cases
+    from benchmarks.on_cluster import there
 
     asked = cases("small", 4, 0)
     came = []
-    for case in there("hidden_effects_run", "cleaned", [(one,) for one in asked], cluster.address):
+    for case in there("benchmarks.hidden_effects.one_case", "cleaned", [(one,) for one in asked], cluster.address):
         came.append(case)
         if len(came) == 2:
             cluster.workers[0].kill()

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
-import any_plant
-from any_plant_judging import good, outcome, page
+from benchmarks.any_plant import running as any_plant
+from benchmarks.any_plant.judging import good, outcome, page
 
 TRUTH = {"verdict": "effect", "effects": ["sensor_lag"], "alike": ["command_delay"]}
 

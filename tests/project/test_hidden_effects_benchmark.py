@@ -4,26 +4,20 @@ from __future__ import annotations
 
 import json
 import math
-import sys
-from pathlib import Path
 from typing import Any
 
 import pytest
+from truth.case import build_case, sealed_answer
+from truth.hidden import LIBRARY_NAMES
 
-ROOT = Path(__file__).parents[2]
-sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "tests")]
-
-from hidden_effects_amplitudes import AMPLITUDES, LEFT_OUT, amplitude_of, true_base  # noqa: E402
-from hidden_effects_cases import PLAN, plan  # noqa: E402
-from hidden_effects_judging import detectable, matched, outcome, right, said  # noqa: E402
-from hidden_effects_measure import Measure, at_least, at_most, share, wilson  # noqa: E402
-from hidden_effects_measures import all_measures  # noqa: E402
-from hidden_effects_page import page  # noqa: E402
-from hidden_effects_tables import distance_text, failures_table, forms_table, value_text  # noqa: E402
-from truth.case import build_case, sealed_answer  # noqa: E402
-from truth.hidden import LIBRARY_NAMES  # noqa: E402
-
-from hjcamp.effects import load_effects  # noqa: E402
+from benchmarks.hidden_effects.amplitudes import AMPLITUDES, LEFT_OUT, amplitude_of, true_base
+from benchmarks.hidden_effects.cases import PLAN, plan
+from benchmarks.hidden_effects.judging import detectable, matched, outcome, right, said
+from benchmarks.hidden_effects.measure import Measure, at_least, at_most, share, wilson
+from benchmarks.hidden_effects.measures import all_measures
+from benchmarks.hidden_effects.page import page
+from benchmarks.hidden_effects.tables import distance_text, failures_table, forms_table, value_text
+from hjcamp.effects import load_effects
 
 LIBRARY = load_effects([])
 
@@ -311,7 +305,7 @@ def test_the_page_has_every_part_also_of_a_few_results() -> None:
         line = made_up(verdict, names, case.effects, case.kind, name=case.name)
         lines.append(line | {"strength": case.strength, "seed": case.seed})
     lines.append(dict(lines[0]) | {"effort": "quick", "seconds": 9.0})
-    text = page(lines, cases, "standard", "made-up", "python benchmarks/hidden_effects.py", 2)
+    text = page(lines, cases, "standard", "made-up", "python -m benchmarks.hidden_effects", 2)
     for part in (
         "## Measures",
         "## By contact and by law",

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_hidden_effects_benchmark import made_up  # puts the benchmarks on the path
+from test_hidden_effects_benchmark import made_up
+from truth.hidden import LIBRARY_NAMES
 
-import hidden_effects  # isort: skip
-from hidden_effects_cases import HiddenCase, plan  # isort: skip
-import hidden_effects_ledger  # isort: skip
-from hidden_effects_ledger import Ledger, code_version  # isort: skip
-from hidden_effects_run import cleaned  # isort: skip
-from truth.hidden import LIBRARY_NAMES  # isort: skip
+from benchmarks.hidden_effects import ledger as hidden_effects_ledger
+from benchmarks.hidden_effects import running as hidden_effects
+from benchmarks.hidden_effects.cases import HiddenCase, plan
+from benchmarks.hidden_effects.ledger import Ledger, code_version
+from benchmarks.hidden_effects.one_case import cleaned
 
 
 def test_a_full_plan_has_new_rigs_alone_and_holds_the_small_one() -> None:

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
-import hidden_tables  # isort: skip
-from hidden_tables_cases import BENCH, TRAJECTORIES, TableCase, conditions, plan, seen, text_of  # isort: skip
-from hidden_tables_page import outcome, page  # isort: skip
-
 from truth.controller import Procedure, pid_step
 
+from benchmarks.hidden_tables import running as hidden_tables
+from benchmarks.hidden_tables.cases import BENCH, TRAJECTORIES, TableCase, conditions, plan, seen, text_of
+from benchmarks.hidden_tables.page import outcome, page
 from hjcamp.configuration.composer import Composer
 from hjcamp.plants.pump_joint.controllers.pid import LONGEST_DERIVATIVE, Pid
 from hjcamp.plants.pump_joint.tables.question import asked

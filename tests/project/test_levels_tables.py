@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import csv
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
-sys.path[:0] = [str(BENCHMARKS), str(BENCHMARKS.parent / "tests")]
-
-import levels  # noqa: E402
-from hidden_effects_amplitudes import true_base  # noqa: E402
-from hidden_effects_cases import PLAN  # noqa: E402
-from hidden_effects_ledger import Ledger  # noqa: E402
-from levels_tables import COLUMNS, effect_row, interval_rows, row_of, write_tables  # noqa: E402
+from benchmarks.hidden_effects.amplitudes import true_base
+from benchmarks.hidden_effects.cases import PLAN
+from benchmarks.hidden_effects.ledger import Ledger
+from benchmarks.levels import running as levels
+from benchmarks.levels.tables import COLUMNS, effect_row, interval_rows, row_of, write_tables
 
 CHANNELS = ("arm", "difference", "line_sum", "line_difference", "sliding")
 

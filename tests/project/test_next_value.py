@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import test_hidden_effects_benchmark  # noqa: F401  puts the benchmarks on the path
 
-import next_value  # isort: skip
-from next_value_page import MOST, page  # isort: skip
+from benchmarks.next_value import running as next_value
+from benchmarks.next_value.page import MOST, page
 
 NEVER = MOST + 1
 

@@ -5,19 +5,16 @@ from __future__ import annotations
 import csv
 import io
 import random
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from hidden_effects_cases import TAKEN_OUT
 from truth.case import Case, build_case, simulate_test
 from truth.menu import Condition, cycloids, points, sine
+
+from benchmarks.hidden_effects.cases import TAKEN_OUT
 
 Array = NDArray[np.float64]
 NULLS, OUTSIDE = 8, "stray_spring"

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from hidden_effects_cases import EFFECT, NOTHING, ONE_OF, OUTSIDE
-from hidden_effects_judging import Line, detectable, first_is_true, is_true, matched, named, right, verdict_of
-from hidden_effects_measure import Measure, at_least, at_most, counted, share
+from benchmarks.hidden_effects.cases import EFFECT, NOTHING, ONE_OF, OUTSIDE
+from benchmarks.hidden_effects.judging import Line, detectable, first_is_true, is_true, matched, named, right, verdict_of
+from benchmarks.hidden_effects.measure import Measure, at_least, at_most, counted, share
 
 
 def naming(singles: Sequence[Line], nulls: Sequence[Line]) -> list[Measure]:

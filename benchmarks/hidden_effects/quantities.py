@@ -7,10 +7,11 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
-from hidden_effects_amplitudes import AMPLITUDES, amplitude_of, true_base
-from hidden_effects_judging import Line, named, right
-from hidden_effects_measure import Aim, Measure, at_least, at_most, counted
 from truth.case import CONTACTS
+
+from benchmarks.hidden_effects.amplitudes import AMPLITUDES, amplitude_of, true_base
+from benchmarks.hidden_effects.judging import Line, named, right
+from benchmarks.hidden_effects.measure import Aim, Measure, at_least, at_most, counted
 
 # Cases with less to remove say nothing about the share that is removed.
 REMOVABLE = 1.1

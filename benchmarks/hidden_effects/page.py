@@ -7,14 +7,14 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from hidden_effects_cases import FIRST_SEED, SAME, TAKEN_OUT, HiddenCase
-from hidden_effects_detectable import BASE, DETECTABLE
-from hidden_effects_judging import Line, verdict_of
-from hidden_effects_ledger import ROOT
-from hidden_effects_measure import Measure, at_least
-from hidden_effects_measures import all_measures
-from hidden_effects_quantities import times
-from hidden_effects_tables import (
+from benchmarks import ROOT
+from benchmarks.hidden_effects.cases import FIRST_SEED, SAME, TAKEN_OUT, HiddenCase
+from benchmarks.hidden_effects.detectable import BASE, DETECTABLE
+from benchmarks.hidden_effects.judging import Line, verdict_of
+from benchmarks.hidden_effects.measure import Measure, at_least
+from benchmarks.hidden_effects.measures import all_measures
+from benchmarks.hidden_effects.quantities import times
+from benchmarks.hidden_effects.tables import (
     amplitude_table,
     bound_text,
     confusion_table,
@@ -28,7 +28,7 @@ from hidden_effects_tables import (
 
 # each benchmark takes rigs from the next ten thousand seeds, that nothing has looked at
 TEN_THOUSAND = 10_000
-READING = Path(__file__).with_name("hidden_effects_reading.md")
+READING = Path(__file__).with_name("reading.md")
 
 
 def page(lines: Sequence[Line], cases: Sequence[HiddenCase], effort: str, tag: str, command: str, cores: int) -> str:
@@ -112,7 +112,7 @@ def _counting() -> str:
 
 
 def _elsewhere() -> list[Measure]:
-    """Return what benchmarks/next_value.py measured, from its committed page."""
+    """Return what `benchmarks.next_value` measured, from its committed page."""
     path = ROOT / "docs" / "next_value.md"
     text = path.read_text(encoding="utf-8") if path.exists() else ""
     means = re.search(r"([\d.]+) times fewer, over (\d+)", text)

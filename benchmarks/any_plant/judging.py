@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from hidden_effects_measure import wilson
-from hidden_effects_tables import table
+from benchmarks.hidden_effects.measure import wilson
+from benchmarks.hidden_effects.tables import table
 
 Line = dict[str, Any]
 OUTCOMES = {

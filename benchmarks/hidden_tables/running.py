@@ -1,6 +1,6 @@
 """Hide effects in rigs of the truth plant, diagnose the tables that their benches print, and write how often that is right.
 
-    python benchmarks/hidden_tables.py [--effort quick|standard] [--shift N] [--most N] [--ledger FILE] [--page FILE] [--score]
+    python -m benchmarks.hidden_tables [--effort quick|standard] [--shift N] [--most N] [--ledger FILE] [--page FILE] [--score]
 
 Each case is `hjcamp diagnose --tables table.csv` in an empty folder, as a user calls it: means and deviations of 14 conditions,
 nothing held out. The truth plant (tests/truth) and the indicators share no code with the program. Finished cases are kept in
@@ -19,10 +19,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from hidden_effects_ledger import ROOT, Ledger, code_version
-from hidden_tables_cases import TableCase, plan, seen, table_of, text_of
-from hidden_tables_page import page
-
+from benchmarks import ROOT
+from benchmarks.hidden_effects.ledger import Ledger, code_version
+from benchmarks.hidden_tables.cases import TableCase, plan, seen, table_of, text_of
+from benchmarks.hidden_tables.page import page
 from hjcamp.storage import write_whole
 
 PLAN = "hidden_tables/2"
@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not lines:
         print(f"no finished case of {given.tag} in {given.ledger}", file=sys.stderr)
         return 1
-    command = f"python benchmarks/hidden_tables.py --effort {given.effort}" + (f" --shift {given.shift}" if given.shift else "")
+    command = f"python -m benchmarks.hidden_tables --effort {given.effort}" + (f" --shift {given.shift}" if given.shift else "")
     target = given.page or given.ledger.with_suffix(".md")
     write_whole(target, page(lines, len(cases), given.tag, command))
     print(f"page    {target}")

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
-from hidden_effects_cases import HiddenCase
 from numpy.typing import NDArray
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from truth.case import Case, build_case
 from truth.plant import JOINT_AREA, Plant
 from truth.visibility import CHANNELS, scaled_change, simulate_means
+
+from benchmarks.hidden_effects.cases import HiddenCase
 
 Array = NDArray[np.float64]
 # An effect is detectable from this change on, in standard deviations of one repetition.

@@ -1,6 +1,6 @@
 """Diagnose rigs with other contacts, and write what they gain and leave: the levels of the verdict.
 
-    python benchmarks/levels.py [--effects] [--seeds FIRST COUNT] [--workers N] [--into FILE] [--page FILE] [--score]
+    python -m benchmarks.levels [--effects] [--seeds FIRST COUNT] [--workers N] [--into FILE] [--page FILE] [--score]
 
 Nothing is missing on the rigs, or one effect of the library under one of several laws (``--effects``).
 
@@ -17,14 +17,13 @@ from collections.abc import Sequence
 from itertools import cycle, product
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from hidden_effects import STOPPED, results
-from hidden_effects_cases import HiddenCase
-from hidden_effects_ledger import Ledger, code_version
-from levels_page import FRESH, page
-from levels_tables import write_tables
 from truth.hidden import LIBRARY_NAMES, OUTSIDE_NAMES
 
+from benchmarks.hidden_effects.cases import HiddenCase
+from benchmarks.hidden_effects.ledger import Ledger, code_version
+from benchmarks.hidden_effects.running import STOPPED, results
+from benchmarks.levels.page import FRESH, page
+from benchmarks.levels.tables import write_tables
 from hjcamp.plants.pump_joint.diagnosis.levels import EFFECTS, TABLE, rows_of
 from hjcamp.plants.pump_joint.diagnosis.levels.forms import TABLE as INTERVALS
 from hjcamp.storage import write_whole

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from hidden_effects_measure import wilson
 from scipy.special import stdtrit
 
+from benchmarks import ROOT
+from benchmarks.hidden_effects.measure import wilson
 from hjcamp.plants.pump_joint.diagnosis.levels import (
     CHANNELS,
     LEVEL,
@@ -32,7 +32,7 @@ from hjcamp.plants.pump_joint.diagnosis.levels import (
 from hjcamp.plants.pump_joint.diagnosis.levels.forms import COVERED, form_of
 from hjcamp.plants.pump_joint.diagnosis.selection.verdict import AGAINST
 
-FRESH = Path(__file__).with_name("results") / "levels_fresh.csv"
+FRESH = ROOT / "benchmarks" / "results" / "levels_fresh.csv"
 ASKED = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 SECONDS = (0.2, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6)
 MARGINS = (1.0, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3)

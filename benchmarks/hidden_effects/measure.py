@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from hidden_effects_judging import Line
+from benchmarks.hidden_effects.judging import Line
 
 
 @dataclass(frozen=True)

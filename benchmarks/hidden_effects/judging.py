@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from hidden_effects_cases import EFFECT, NOTHING, ONE_OF, OUTSIDE, alike
-from hidden_effects_detectable import DETECTABLE
+from benchmarks.hidden_effects.cases import EFFECT, NOTHING, ONE_OF, OUTSIDE, alike
+from benchmarks.hidden_effects.detectable import DETECTABLE
 
 Line = Mapping[str, Any]
 # How a case of the library ends, in the order of the tables.

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hidden_effects_cases import PLAN
+from benchmarks import ROOT
+from benchmarks.hidden_effects.cases import PLAN
 
-ROOT = Path(__file__).parents[1]
 CODE = ("hjcamp", "conf", "tests/truth")
 
 

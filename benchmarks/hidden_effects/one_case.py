@@ -12,10 +12,10 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from hidden_effects_cases import PLAN, HiddenCase
-from hidden_effects_detectable import visibility
 from truth.case import write_case
+
+from benchmarks.hidden_effects.cases import PLAN, HiddenCase
+from benchmarks.hidden_effects.detectable import visibility
 
 # Parts of an answer that no measure reads; the ledger is committed.
 UNSCORED = ("where", "minimum_detectable", "worst", "floor", "rests_on")

@@ -8,9 +8,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from hidden_effects_amplitudes import AMPLITUDES, amplitude_of, true_base
 from truth.hidden import LIBRARY_NAMES
 
+from benchmarks.hidden_effects.amplitudes import AMPLITUDES, amplitude_of, true_base
 from hjcamp.plants.pump_joint.diagnosis.levels import CHANNELS, GAIN
 from hjcamp.plants.pump_joint.diagnosis.levels.forms import TABLE as INTERVALS
 from hjcamp.plants.pump_joint.diagnosis.selection.verdict import AGAINST

@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from hidden_effects_cases import alike
-from hidden_effects_measure import wilson
-from hidden_effects_tables import table
+from benchmarks.hidden_effects.cases import alike
+from benchmarks.hidden_effects.measure import wilson
+from benchmarks.hidden_effects.tables import table
 
 Line = dict[str, Any]
 #: Written by hand: what the failures have in common.
-READING = Path(__file__).with_name("hidden_tables_reading.md")
+READING = Path(__file__).with_name("reading.md")
 #: A table moved by less than this, in deviations, hides nothing that it could show.
 VISIBLE = 1.0
 KINDS = {"effect": "effect of the library", "outside": "outside the library", "null": "nothing"}

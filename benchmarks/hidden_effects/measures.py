@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hidden_effects_judging import Line, detectable
-from hidden_effects_measure import Measure
-from hidden_effects_quantities import amplitudes, coverage, removed
-from hidden_effects_shares import names, naming, outside, pairs
+from benchmarks.hidden_effects.judging import Line, detectable
+from benchmarks.hidden_effects.measure import Measure
+from benchmarks.hidden_effects.quantities import amplitudes, coverage, removed
+from benchmarks.hidden_effects.shares import names, naming, outside, pairs
 
 
 def all_measures(lines: Sequence[Line]) -> list[Measure]:

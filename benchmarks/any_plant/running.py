@@ -18,18 +18,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).parents[1]
-sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "benchmarks")]
+from truth.axis_case import write_axis_case
+from truth.axis_hidden import FORMS as AXIS_FORMS
+from truth.hidden_form import NOTHING, Form
+from truth.servo_case import write_pendulum_case, write_servo_case
+from truth.servo_hidden import ROPE_FORMS, SERVO_FORMS
+from truth.tanks_case import write_tanks_case
+from truth.tanks_hidden import FORMS as TANKS_FORMS
 
-from any_plant_judging import outcome, page  # noqa: E402
-from hidden_effects_ledger import Ledger, code_version  # noqa: E402
-from truth.axis_case import write_axis_case  # noqa: E402
-from truth.axis_hidden import FORMS as AXIS_FORMS  # noqa: E402
-from truth.hidden_form import NOTHING, Form  # noqa: E402
-from truth.servo_case import write_pendulum_case, write_servo_case  # noqa: E402
-from truth.servo_hidden import ROPE_FORMS, SERVO_FORMS  # noqa: E402
-from truth.tanks_case import write_tanks_case  # noqa: E402
-from truth.tanks_hidden import FORMS as TANKS_FORMS  # noqa: E402
+from benchmarks import ROOT
+from benchmarks.any_plant.judging import outcome, page
+from benchmarks.hidden_effects.ledger import Ledger, code_version
 
 MACHINES: dict[str, tuple[Callable[..., Path], tuple[Form[Any], ...]]] = {
     "axis": (write_axis_case, AXIS_FORMS),
@@ -138,7 +137,7 @@ def main(arguments: list[str] | None = None) -> int:
     if options.page:
         names = {case.name for case in wanted}
         lines = [line for line in ledger.lines(tag) if line["effort"] == options.effort and line["name"] in names]
-        command = "python benchmarks/any_plant.py " + shlex.join(arguments if arguments is not None else sys.argv[1:])
+        command = "python -m benchmarks.any_plant " + shlex.join(arguments if arguments is not None else sys.argv[1:])
         options.page.write_text(page(lines, tag, command), encoding="utf-8")
     return 0
 

@@ -1,6 +1,6 @@
 """Hide effects in rigs of the truth plant, diagnose them, and write how often the diagnosis is right.
 
-    python benchmarks/hidden_effects.py [--size small|fresh|full] [--effort quick|standard] [--workers N | --cluster ADDRESS]
+    python -m benchmarks.hidden_effects [--size small|fresh|full] [--effort quick|standard] [--workers N | --cluster ADDRESS]
                                         [--shift N] [--page FILE]
 
 The truth plant (tests/truth) shares no code with the model. Finished cases are kept in a ledger, one line each, which is
@@ -22,12 +22,12 @@ from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any
 
-from hidden_effects_cases import SIZES, HiddenCase, plan
-from hidden_effects_ledger import ROOT, Ledger, code_version
-from hidden_effects_page import page
-from hidden_effects_run import alone, run_case
-from on_cluster import there
-
+from benchmarks import ROOT
+from benchmarks.hidden_effects.cases import SIZES, HiddenCase, plan
+from benchmarks.hidden_effects.ledger import Ledger, code_version
+from benchmarks.hidden_effects.one_case import alone, run_case
+from benchmarks.hidden_effects.page import page
+from benchmarks.on_cluster import there
 from hjcamp.errors import HjcampError
 from hjcamp.storage import write_whole
 
@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not lines:
         print(f"no finished case of {given.tag} in {ledger.path}", file=sys.stderr)
         return 1 if whole else STOPPED
-    command = f"python benchmarks/hidden_effects.py --size {given.size} --effort {given.effort} --workers {given.workers}"
+    command = f"python -m benchmarks.hidden_effects --size {given.size} --effort {given.effort} --workers {given.workers}"
     command += "" if given.nulls is None else f" --nulls {given.nulls}"
     command += f" --shift {given.shift}" if given.shift else ""
     text = page(lines, cases, given.effort, given.tag, command, len(os.sched_getaffinity(0)))
@@ -127,7 +127,7 @@ def results(left: Sequence[HiddenCase], given: argparse.Namespace, seen: dict[st
     """Yield the results as they come, from a cluster where one is named, else from processes of their own."""
     calls = [(case, given.effort, given.tag, seen.get(case.name)) for case in left]
     if given.cluster:
-        yield from there("hidden_effects_run", "run_case", calls, given.cluster)
+        yield from there("benchmarks.hidden_effects.one_case", "run_case", calls, given.cluster)
         return
     # a worker is one process with one thread; it reads these before it loads any numerical library
     os.environ.update(dict.fromkeys(THREADS, "1"))

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 from typing import Any
 from zlib import crc32
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from numpy.random import default_rng
 from truth.case import CONTACTS
 from truth.hidden import LIBRARY_NAMES, OUTSIDE_NAMES, STRENGTHS

@@ -6,12 +6,13 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from hidden_effects_amplitudes import AMPLITUDES, LEFT_OUT, amplitude_of
-from hidden_effects_cases import LIBRARY_NAMES, OUTSIDE_NAMES, STRENGTHS
-from hidden_effects_judging import OUTCOMES, Line, detectable, named, outcome, right, said, visible
-from hidden_effects_measure import Aim, Measure
 from truth.case import CONTACTS
 from truth.hidden_law import LAWS
+
+from benchmarks.hidden_effects.amplitudes import AMPLITUDES, LEFT_OUT, amplitude_of
+from benchmarks.hidden_effects.cases import LIBRARY_NAMES, OUTSIDE_NAMES, STRENGTHS
+from benchmarks.hidden_effects.judging import OUTCOMES, Line, detectable, named, outcome, right, said, visible
+from benchmarks.hidden_effects.measure import Aim, Measure
 
 SPOILERS = 4
 

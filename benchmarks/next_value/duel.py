@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from truth.case import build_case, simulate_test
 from truth.menu import Condition, asked, sine
 from truth.simulate import COLUMNS

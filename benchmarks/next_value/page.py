@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from hidden_effects_ledger import ROOT
-from next_value_duel import MOST
 from numpy.typing import NDArray
+
+from benchmarks import ROOT
+from benchmarks.next_value.duel import MOST
 
 LEDGER = ROOT / "benchmarks" / "results" / "next_value.jsonl"
 
@@ -34,7 +35,7 @@ def page(duels: Sequence[tuple[Question, dict[str, Any]]], tag: str) -> str:
     lines = [
         "# Tests needed to set two rivals apart",
         "",
-        f"Made by `python benchmarks/next_value.py`, code at commit {tag}; its head says how. A test is one repetition of one",
+        f"Made by `python -m benchmarks.next_value`, code at commit {tag}; its head says how. A test is one repetition of one",
         f"condition; at most {MOST} are run, {MOST + 1} means not apart by then. The duels stand in `{LEDGER.relative_to(ROOT)}`.",
         "",
         "| truth | strength | rival | proposed order | random order (each) |",

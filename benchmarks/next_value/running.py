@@ -1,6 +1,6 @@
 """How many tests set two rivals apart: in the order that `hjcamp next` proposes, and in random order.
 
-    python benchmarks/next_value.py [--random 4] [--pairs 14] [--rigs 2] [--workers 2 | --cluster ADDRESS] [--page docs/next_value.md]
+    python -m benchmarks.next_value [--random 4] [--pairs 14] [--rigs 2] [--workers 2 | --cluster ADDRESS] [--page docs/next_value.md]
 
 For each pair the truth plant of the tests, which shares no code with the model, hides the first effect in rigs of their
 own, at medium and at weak strength. The first tests are one condition with three repetitions. Both rivals are fitted to
@@ -23,15 +23,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from hidden_effects import THREADS, stop
-from hidden_effects_ledger import Ledger, code_version
-from hidden_effects_run import alone
-from next_value_duel import APART, MOST, Duel
-from next_value_page import LEDGER, Question, page
-from on_cluster import there
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from benchmarks.hidden_effects.ledger import Ledger, code_version
+from benchmarks.hidden_effects.one_case import alone
+from benchmarks.hidden_effects.running import THREADS, stop
+from benchmarks.next_value.duel import APART, MOST, Duel
+from benchmarks.next_value.page import LEDGER, Question, page
+from benchmarks.on_cluster import there
 from hjcamp.effects import load_effects
 from hjcamp.errors import HjcampError
 from hjcamp.plants.pump_joint.diagnosis.design.menu import menu
@@ -124,7 +124,7 @@ def fight(left: Sequence[Question], workers: int, ledger: Ledger, tag: str, clus
     with Progress(*columns, TimeRemainingColumn(), speed_estimate_period=3600, console=Console(stderr=True)) as progress:
         task = progress.add_task("duels", total=len(left))
         calls = [(one,) for one in left]
-        for line in there("next_value", "outcome", calls, cluster) if cluster else outcomes(left, workers):
+        for line in there("benchmarks.next_value.running", "outcome", calls, cluster) if cluster else outcomes(left, workers):
             ledger.add({"plan": ledger.plan, "tag": tag, "effort": "", **line})
             progress.update(task, advance=1, description=line["name"][:44])
             if not progress.console.is_terminal:

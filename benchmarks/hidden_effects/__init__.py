@@ -1,0 +1,1 @@
+"""Hide effects in rigs of the truth plant, diagnose them, and count how often the diagnosis is right."""

@@ -1,0 +1,1 @@
+"""Diagnose rigs with other contacts: the levels of the verdict."""
