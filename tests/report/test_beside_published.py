@@ -52,11 +52,12 @@ def run_of(folder: Path, logs: Sequence[TestLog], axes: dict[str, list[str]] | N
     return build_report(folder, against="published")
 
 
-def two_gains(repetitions: int = 2) -> list[TestLog]:
+def two_gains(repetitions: int = 2, apart_deg: float = 0.0) -> list[TestLog]:
     return [
-        make_log("ramp_pos", "pid", number, 1.5, overrides, condition=f"ramp_pos__kp-{kp}", seed=str(100 * number + place))
+        make_log("ramp_pos", "pid", number, 1.5 + apart_deg * place, overrides, condition=f"ramp_pos__kp-{kp}", seed=seed)
         for place, (kp, overrides) in enumerate({"0.7": (SOFT,), "1.05": ()}.items())
         for number in range(1, repetitions + 1)
+        for seed in [str(100 * number + place)]
     ]
 
 
@@ -72,7 +73,7 @@ def test_a_log_from_before_a_parameter_was_known_stands_beside_the_published_val
 
 def test_the_indicators_tell_two_gains_apart(tmp_path: Path) -> None:
     axes = {"trajectory": ["ramp_pos"], "controller.positive.kp": ["kp-0.7", "kp-1.05"]}
-    run_of(tmp_path, two_gains(), axes)
+    run_of(tmp_path, two_gains(apart_deg=1.0), axes)
     for frame in (
         pl.read_csv(tmp_path / "tables/indicators.csv"),
         pl.read_parquet(tmp_path / "tables/indicators.parquet"),
