@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import logging
 import os
 import shutil
 import signal
@@ -56,6 +57,9 @@ def main() -> None:
     """Run the command line and exit with its code."""
     begin_in_utf8()
     take_streams()
+    logging.getLogger("matplotlib").setLevel(
+        logging.ERROR
+    )  # where home cannot be written it draws as well, and says so at length
     signal.signal(signal.SIGTERM, _terminated)
     keep_children_safe()
     try:

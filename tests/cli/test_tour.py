@@ -170,6 +170,13 @@ def test_the_tour_of_another_machine_goes_the_same_way(call: Call, played: Playe
     assert answer.code == 0, answer.err
     assert "goes on with step 2" in answer.out and "diagnosed   quadratic_drag   right" in answer.out
     logs = ["tour_plant/logs/train_1.mcap", "tour_plant/logs/train_2.mcap"]
+    first = Path(logs[0])
+    first.parent.mkdir()
+    first.touch()
+    assert call("tour", "--plant", "--step", "3").code == 0 and first.exists()
+    # import replaces no log
+    assert call("tour", "--plant", "--step", "1").code == 0 and not first.exists()
+    del played.calls[-2:]
     assert [words[0] for words in played.calls] == ["import", "compare", "diagnose", "add", "compare"]
     assert played.calls[2] == ["diagnose", *logs, "--effort", "quick", "--json", "tour_plant/step_3.json"]
     assert played.calls[3][:6] == ["add", "quadratic_drag", *logs, "--as", "spindle_model"]

@@ -42,6 +42,23 @@ def test_what_tests_need_is_installed_for_them(tmp_path: Path) -> None:
     assert "--warm" in steps("setup", tmp_path) and ".[test]" not in steps("setup", tmp_path)
 
 
+@pytest.mark.skipif(os.name == "nt", reason="the stand-in for an old Python is a shell script")
+@pytest.mark.parametrize("target", ["setup", "demo", "test"])
+def test_an_old_python_is_named_and_nothing_is_made(target: str, tmp_path: Path) -> None:
+    make, shell = shutil.which("make"), shutil.which("sh")
+    if make is None or shell is None or not (ROOT / "Makefile").is_file():
+        pytest.skip("no make, no shell, or no Makefile here")
+    for name, place in (("make", make), ("sh", shell)):
+        (tmp_path / name).symlink_to(place)
+    old = tmp_path / "python3"
+    old.write_text('#!/bin/sh\n[ "$1" = --version ] && echo Python 3.10.12\n', encoding="utf-8")
+    old.chmod(0o755)
+    command = [make, target, f"VENV={tmp_path / 'none'}"]
+    done = subprocess.run(command, cwd=ROOT, env={"PATH": str(tmp_path)}, capture_output=True, text=True)
+    assert done.returncode == 2 and "3.11, 3.12 or 3.13 with its venv module is needed; found: Python 3.10.12" in done.stderr
+    assert not (tmp_path / "none").exists()
+
+
 @pytest.mark.parametrize("target", ["setup", "demo", "test"])
 def test_a_target_says_what_it_does_and_how_long_before_it_begins(target: str, tmp_path: Path) -> None:
     first, *rest = steps(target, tmp_path).splitlines()

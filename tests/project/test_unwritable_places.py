@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import errno
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -27,6 +29,15 @@ def test_without_a_cache_kernels_are_kept_for_this_call(
     assert kernel_cache.cache_folder() == folder
     assert capsys.readouterr().err.count("cannot be written") == 1
     kernel_cache._temporary_folder.cache_clear()
+
+
+def test_with_a_home_that_takes_nothing_a_picture_is_drawn_and_one_line_says_what_is_lost(empty_folder: Path) -> None:
+    nowhere = {"HOME": "/dev/null", "USERPROFILE": "nul", "PATH": os.environ["PATH"]}
+    command = [sys.executable, "-m", "hjcamp", "plants", "pump_joint", "--figure", "plant.svg"]
+    done = subprocess.run(command, env=nowhere, capture_output=True, text=True)
+    assert done.returncode == 0 and Path("plant.svg").read_text(encoding="utf-8").count("<svg") == 1
+    # matplotlib would say at length where it keeps its fonts
+    assert len(done.stderr.splitlines()) <= 1, done.stderr
 
 
 def test_a_full_disk_is_named_even_where_the_error_names_no_file() -> None:

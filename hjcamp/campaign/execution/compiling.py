@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.campaign.execution.console import can_move
 from hjcamp.errors import counted
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ class _Line:
 @contextmanager
 def status(console: Console, kernels: Kernels, doing: str | Doing) -> Iterator[None]:
     """Say on a terminal what is compiled, then what is done; elsewhere one line where something has to be compiled."""
-    if console.is_terminal:
+    if can_move(console):
         with console.status(_Line(kernels, doing if isinstance(doing, Doing) else Doing(doing))):
             yield
         return

@@ -54,6 +54,11 @@ def make_console(quiet: bool = False) -> Console:
     return console
 
 
+def can_move(console: Console) -> bool:
+    """Return whether what is shown can be written over: on a terminal that knows how (``TERM=dumb`` does not)."""
+    return console.is_terminal and not console.is_dumb_terminal
+
+
 def bold(text: str, after: str = "", before: str = "") -> Text:
     """Return a text in bold letters between two others."""
     from rich.text import Text

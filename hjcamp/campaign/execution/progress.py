@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
+from hjcamp.campaign.execution.console import can_move
+
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
@@ -73,7 +75,7 @@ class _RunProgress(Progress):
 @contextmanager
 def progress_bar(console: Console, total: int, done: int, kernels: Kernels | None = None) -> Iterator[Callable[[str], None]]:
     """Show a bar on a terminal, elsewhere what has to be compiled and a line now and then; yields what to call after each test."""
-    if not console.is_terminal:
+    if not can_move(console):
         if kernels is not None and (words := kernels.words()):
             console.print(f"  {words}", markup=False, soft_wrap=True)
         made, lines = itertools.count(done + 1), Lines()

@@ -132,9 +132,10 @@ def _is_standard_output(path: Path) -> bool:
 @contextmanager
 def progress_of(console: Console) -> Iterator[Callable[[str, float], None]]:
     """Show what is being done and the time left on a terminal, a line now and then elsewhere; yields report(text, share)."""
+    from hjcamp.campaign.execution.console import can_move
     from hjcamp.campaign.execution.progress import Lines, TimeLeft
 
-    if not console.is_terminal:
+    if not can_move(console):
         lines = Lines()
         yield lambda text, share: lines(f"{text} ({share:.0%})")
         return

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, free_model_name, joined
+from hjcamp.campaign.execution.console import can_move
 from hjcamp.errors import counted
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def _say_what_is_lacking(console: Console, evidence: Evidence) -> None:
 
 def tell_of_compiling(console: Console, report: Callable[[str, float], None], done: int, count: int) -> None:
     """Say how many kernels are to be compiled: in the progress line of a terminal, else in a line of its own at the start."""
-    if console.is_terminal:
+    if can_move(console):
         report(f"compiling, once for these effects: {count - done} of {count} kernels left", 0.0)
     elif not done:
         console.print(f"  compiling {counted(count, 'kernel')}, once for these effects", markup=False)

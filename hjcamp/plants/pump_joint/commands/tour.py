@@ -87,6 +87,8 @@ def do_step(console: Console, tour: Tour, number: int) -> None:
     if words[0] == "tour":
         open_answer(console, tour)
         return
+    for name in step.writes:
+        (tour.folder / name).unlink(missing_ok=True)
     load(command_files()[words[0]]).main(args=words[1:], prog_name=f"hjcamp {words[0]}", standalone_mode=False)
     console.print()
     if step.page:

@@ -15,12 +15,16 @@ NEEDED = ("verdict", "effects", "candidates"), ("model", "file")
 
 @dataclass(frozen=True)
 class Step:
-    """One step: its title, what to look at, the words of its command after ``hjcamp``, the folder of its page."""
+    """One step: its title, what to look at, the words of its command after ``hjcamp``, the folder of its page.
+
+    ``writes`` are files in the tour's folder that its command would not replace: they go before the step is done again.
+    """
 
     title: str
     look: str
     words: Callable[[Tour], list[str]]
     page: str = ""
+    writes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

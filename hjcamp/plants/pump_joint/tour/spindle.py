@@ -78,6 +78,7 @@ SPINDLE = Kind(
             "Three CSV files, as a logger wrote them: time in ms, speed in rpm, voltage. measured/map.yaml says which column is "
             "which quantity, in which unit. plants/spindle.py holds the equations: a motor, a body, a bearing with friction.",
             _import,
+            writes=tuple(f"logs/{name}.mcap" for name in (*FITTED, "held_out")),
         ),
         Step(
             "How far is the model off?",
