@@ -1,6 +1,6 @@
 # `make setup` once; every other target sets up what is missing. Needs Python 3.11, 3.12 or 3.13, and nothing else.
 PYTHON := $(shell for name in python3.13 python3.12 python3.11 python3; do \
-	$$name -c 'import sys, venv; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null && echo $$name && break; done)
+	$$name -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null && echo $$name && break; done)
 VENV ?= .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
@@ -59,7 +59,7 @@ say-test:
 setup: say-setup $(WARM)
 
 $(INSTALLED): pyproject.toml constraints.txt
-	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 with its venv module is needed; none was found" >&2; exit 1; }
+	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 with its venv module is needed; found: $$(python3 --version 2>&1 || echo none)" >&2; exit 1; }
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(PIP) --upgrade pip  # those that come with Python read the index half as fast
 	$(PIP) --editable .
@@ -85,9 +85,9 @@ lint: $(TESTABLE)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-# as many processes as tests/conftest.py says, four at most; a file's tests stay together, since they share kernels and logs
+# as many processes as tests/conftest.py says, four at most, in its order; a file's tests stay together: they share kernels and logs
 test: say-test $(TESTABLE) lint
-	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
 
 # the tests that take longest, or repeat others with other data
 studies: $(TESTABLE)

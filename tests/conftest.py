@@ -25,6 +25,17 @@ def pytest_xdist_auto_num_workers() -> int:
     return usable + 1
 
 
+#: Folders whose files take minutes, longest first: where they begin last, the other processes wait for them.
+LONG = ("diagnosis", "notebook", "project", "joint_diagnosis", "effects", "plants", "rig", "model")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the files that take longest."""
+    rank = {name: place for place, name in enumerate(LONG)}
+    here = Path(__file__).parent
+    items.sort(key=lambda item: rank.get(item.path.relative_to(here).parts[0], len(LONG)))
+
+
 def pytest_collection_finish() -> None:
     """Let the collector of garbage pass over what is loaded by now, and look less often: a tenth of all the time."""
     gc.collect()
