@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +11,18 @@ import pytest
 
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of, values_of
 from hjcamp.effects import load_effects
+from hjcamp.errors import UsageError
 from hjcamp.known_plants import load_plants, plant_called
 from hjcamp.model.compile.compose import Composition, term_functions
 from hjcamp.model.compile.function_sources import rates_source
 from hjcamp.model.compile.source_text import copied_function
 from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.own_names import OF_EFFECTS, OF_LAWS
 from hjcamp.model.declare.plant import Plant
-from hjcamp.model.language.amount_formula import plain_functions
+from hjcamp.model.language.amount_formula import MATHEMATICS, plain_functions
+from hjcamp.model.language.effect_names import BUILTINS
+from hjcamp.model.language.equation_units import MARKS, MODULES
+from hjcamp.model.language.vocabulary import TAKEN, read_vocabulary
 
 VESSEL = '''"""A vessel whose slots are called like its states and its input."""
 
@@ -83,6 +90,53 @@ def check_every_law(plant: type[Plant]) -> None:
         assert np.isfinite(alone).all(), name
         assert np.array_equal(rates_of(composition, opened), alone), name
         assert np.array_equal(rates_of(composition, {})[: len(base)], base), name
+
+
+WORDS = sorted(
+    TAKEN
+    | OF_LAWS
+    | OF_EFFECTS
+    | {*BUILTINS, *MATHEMATICS, *MARKS, *MODULES, "state", "parameter", "rate", "limited", "d_x", "next_x", "start_x"}
+)
+KINDS_OF_NAMES = {"state": "heat", "parameter": "warming", "input": "volume", "slot": "valve"}
+
+
+def renamed(folder: Path, number: int, names: dict[str, str]) -> type[Plant]:
+    """The vessel with other names for what is declared and computed."""
+    text = VESSEL.replace("flow = Input", "volume = Input").replace("drive.flow", "drive.volume")
+    for kind in names:
+        old = KINDS_OF_NAMES[kind]
+        text = (
+            re.sub(rf"\b{old}\b", f"_{kind}_", text)
+            if kind != "state"
+            else re.sub(rf"(?<=state\.|.rate\.){old}\b|\b{old}(?= = State)", f"_{kind}_", text)
+        )
+    for kind, name in names.items():
+        text = text.replace(f"_{kind}_", name)
+    (folder / "plants" / f"vessel{number}.py").write_text(text.replace("class Vessel", f"class Vessel{number}"))
+    return plant_called(f"vessel{number}", "here")
+
+
+def test_a_word_of_the_vocabulary_is_refused_with_a_free_one_or_works(folder: Path) -> None:
+    allowed: dict[str, list[str]] = {}
+    for k, (kind, place) in enumerate(itertools.product(KINDS_OF_NAMES, range(len(WORDS)))):
+        try:
+            read_vocabulary(renamed(folder, k, {kind: WORDS[place]}))
+        except UsageError as error:
+            assert f"'{WORDS[place]}'" in str(error) and "call this" in str(error), error
+            if "such as" in str(error):
+                free = str(error).rpartition("such as '")[2].rstrip("'")
+                read_vocabulary(renamed(folder, 10000 + k, {kind: free}))
+        else:
+            allowed.setdefault(kind, []).append(WORDS[place])
+    for kind, words in allowed.items():
+        assert OF_LAWS.isdisjoint(words), kind
+    # every allowed word in every role, four of them at once
+    count = max(map(len, allowed.values()))
+    for k in range(count):
+        names = {kind: words[(k + 7 * shift) % len(words)] for shift, (kind, words) in enumerate(allowed.items())}
+        if len(set(names.values())) == len(names):
+            check_every_law(renamed(folder, 20000 + k, names))
 
 
 @pytest.mark.parametrize("name", sorted(load_plants([])))

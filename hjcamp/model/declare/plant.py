@@ -13,6 +13,7 @@ from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.model.declare.field import Field
 from hjcamp.model.declare.instance import Instance
 from hjcamp.model.declare.law import Law
+from hjcamp.model.declare.own_names import refuse_own_names
 from hjcamp.model.declare.parameter import Channel, Cut, Input, Measured, Parameter, State, declared, finite_number
 from hjcamp.model.declare.port import Port
 from hjcamp.model.declare.scatter import FrictionScatter
@@ -101,15 +102,20 @@ class Plant:
         for name in cls.rooms:
             if name not in ROOMS:
                 raise unknown("room", str(name), ROOMS, f"{cls.__name__}, rooms")
-        cls.states = declared(cls, State)
-        cls.parameters = declared(cls, Parameter)
-        cls.inputs = declared(cls, Input)
-        cls.inputs |= {name: item for name, item in ALWAYS.items() if name not in cls.inputs}
-        cls.measured = declared(cls, Measured)
-        cls.ports = declared(cls, Port)
+        # all are read before any is set: one may be called as these are
+        found = (
+            declared(cls, State),
+            declared(cls, Parameter),
+            declared(cls, Input),
+            declared(cls, Measured),
+            declared(cls, Port),
+        )
+        cls.states, cls.parameters, cls.inputs, cls.measured, cls.ports = found
+        cls.inputs = {**cls.inputs, **{name: item for name, item in ALWAYS.items() if name not in cls.inputs}}
         for name in (*cls.states, *cls.parameters, *cls.inputs, *cls.measured):
             if hasattr(Plant, name):
                 raise UsageError(f"{cls.__name__}: '{name}' is a name that every plant has for itself; call this one otherwise")
+        refuse_own_names((*cls.states, *cls.parameters, *cls.inputs), cls.parameters, cls.__name__)
         if not cls.base_parameters:
             cls.base_parameters = tuple(name for name, item in cls.parameters.items() if item.base)
 

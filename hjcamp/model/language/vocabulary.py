@@ -13,6 +13,7 @@ from typing import Any
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.declare.element import BODY, CONTACT, ELEMENTS, TRANSMISSION, called, expand
+from hjcamp.model.declare.own_names import OF_LAWS, free_name, of_effects
 from hjcamp.model.declare.parameter import Contact
 from hjcamp.model.declare.part import whole_definition
 from hjcamp.model.declare.plant import Plant
@@ -108,6 +109,9 @@ def read_vocabulary(plant: type[Plant]) -> Vocabulary:
         raise UsageError(f"{inspect.getfile(plant)}: line {first}: plant {plant.name}: 'equations' is no function")
     function = _with_free_names(written_out(whole_definition(equations), tuple(NAMESPACES)))
     reader = _Reader(plant, first, [called(node.value) for node in function.body if isinstance(node, ast.Assign)])
+    reader.called = {
+        node.func.id for node in ast.walk(function) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+    }
     reader.masses, reader.driven, reader.positions = masses_in(function), driven_in(function), positions_in(function)
     reader.given_push = bool(plant.ports) or any(has_push(node) for node in ast.walk(function) if called(node) == CONTACT.name)
     for node in function.body:
@@ -202,6 +206,7 @@ class _Reader:
         self.driven: dict[str, str] = {}
         self.positions: dict[str, str] = {}
         self.given_push = True
+        self.called: set[str] = set()
         states, inputs = list(plant.states), list(plant.inputs)
         named = {"state": states, "rate": states, "parameter": list(plant.parameters), "drive": inputs}
         self.taken = TAKEN | {f"{NAMESPACES[kind]}{name}" for kind, names in named.items() for name in names}
@@ -287,6 +292,15 @@ class _Reader:
         if statement.mark != "rate" and statement.target in self.taken:
             raise UsageError(
                 f"{where}: '{statement.target}' is a name that the compiled model has for itself; call this line otherwise"
+            )
+        why = "is a name that laws use" if statement.target in OF_LAWS else ""
+        if statement.mark in ("slot", "signal"):
+            why = why or of_effects(statement.target)
+        if statement.target in self.called.difference(ELEMENTS, ("slot", "signal", "outside", "part")):
+            why = "is called in these equations"
+        if why and statement.mark != "rate":
+            raise UsageError(
+                f"{where}: '{statement.target}' {why}; call this line otherwise, such as '{free_name(statement.target)}'"
             )
         self.statements.append(statement)
 
