@@ -9,7 +9,7 @@ import csv
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "prediction"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "diagnosis"))
 from carriage import measured_log
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from diagnosis.test_whole_tests import PLANT, slab  # noqa: F401 - a fixture
+from slab import PLANT
 
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.calibration.restarts import better_base
@@ -27,7 +27,7 @@ def at(analysis: Analysis, value: float) -> Analysis:
     return replace(analysis, windows=windows, base=replace(analysis.base, fitted=fitted, place=windows.place))
 
 
-def test_a_base_in_a_poor_place_is_begun_from_where_a_fit_beside_it_has_led_it(slab: Measured) -> None:  # noqa: F811
+def test_a_base_in_a_poor_place_is_begun_from_where_a_fit_beside_it_has_led_it(slab: Measured) -> None:
     analysis = calibrated(slab, {}, unknowns=False)
     beside = replace(analysis.base, names=("something",))
     found = better_base(at(analysis, 20.0), at(analysis, 20.0).base, [beside])
@@ -48,7 +48,7 @@ def test_a_base_in_a_poor_place_is_begun_from_where_a_fit_beside_it_has_led_it(s
     ],
 )
 def test_a_parameter_that_would_go_on_beyond_its_bound_is_held(
-    slab: Measured,  # noqa: F811
+    slab: Measured,
     declared: float,
     bounds: tuple[float, float],
     held: tuple[str, ...],
@@ -61,7 +61,7 @@ def test_a_parameter_that_would_go_on_beyond_its_bound_is_held(
 
 
 def test_two_gains_of_which_the_product_alone_is_told_are_held_where_it_would_go_on(
-    slab: Measured,  # noqa: F811
+    slab: Measured,
     tmp_path: Path,
 ) -> None:
     both = '    gain = Parameter("1", 0.5, (0.1, 0.6), base=True)\n    scale = Parameter("1", 0.5, (0.1, 0.6), base=True)\n    period'

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from slab import NOISE, course
 
 from hjcamp.commands.any_plant.words import RUNS_AWAY, run_away_words, whole_table
 from hjcamp.diagnosis.calibration.analysis import calibrated
@@ -16,26 +17,6 @@ from hjcamp.known_plants import find_plant
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.records.log import TestLog
 
-PLANT = '''"""A block that is heated."""
-
-from hjcamp.plant import Input, Measured, Parameter, Plant, State, sensor
-
-
-class Slab(Plant):
-    """A block that cools to a room at 0."""
-
-    warmth = State("K", typical=20.0)
-    power = Input("W", typical=50.0)
-    capacity = Parameter("J/K", 200.0)
-    loss = Parameter("W/K", 2.0, (0.01, 100.0), "log-uniform", base=True)
-    period = 1.0
-    warmth_k = Measured("probe", of="warmth")
-
-    @staticmethod
-    def equations(state, parameter, drive, rate):
-        rate.warmth = (drive.power - parameter.loss * state.warmth) / parameter.capacity
-        probe = sensor(state.warmth)
-'''
 SWING = '''"""A mass on a spring."""
 
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, sensor
@@ -58,30 +39,6 @@ class Swing(Plant):
         rate.v = drive.push - parameter.pull * state.x - parameter.loss * state.v
         probe = sensor(state.x)
 '''
-NOISE = 0.2
-
-
-def course(loss: float, begin: float, power: np.ndarray) -> np.ndarray:
-    """The warmth of a block under power that holds for a second each, by the closed form."""
-    factor, found = np.exp(-loss / 200.0), [begin]
-    for one in power[:-1]:
-        found.append(found[-1] * factor + one / loss * (1.0 - factor))
-    return np.array(found)
-
-
-@pytest.fixture
-def slab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Measured:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "plants").mkdir()
-    (tmp_path / "plants" / "slab.py").write_text(PLANT)
-    generator = np.random.default_rng(8)
-    logs = []
-    for number, begin in enumerate((25.0, 3.0)):
-        power = np.repeat(generator.uniform(0.0, 80.0, 30), 100)
-        warmth = course(2.5, begin, power) + NOISE * generator.standard_normal(len(power))
-        columns = {"time_s": np.arange(float(len(power))), "warmth_k": warmth, "power_w": power}
-        logs.append(TestLog(columns, {"plant": "slab", "period_s": "1.0", "condition": str(number)}))
-    return measured_tests(logs)
 
 
 def test_whole_tests_err_by_what_the_closed_form_does_from_the_best_start(slab: Measured) -> None:

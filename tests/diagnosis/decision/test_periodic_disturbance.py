@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnosis.test_whole_tests import NOISE, PLANT, course
 from scipy.signal import lfilter
+from slab import NOISE, PLANT, course
 
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.data.tests import Measured, measured_tests

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from discrepancy_answers import Call, read_answer
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[2]))
 from truth.case import write_case
 
 

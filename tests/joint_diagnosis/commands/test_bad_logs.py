@@ -12,7 +12,7 @@ import pytest
 from discrepancy_answers import Call
 from mcap.writer import CompressionType
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "records"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "records"))
 from log_makers import METADATA, make_columns, rows, write_json
 
 COMMANDS = (

@@ -20,7 +20,7 @@ from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.decision.verdict import ONE_OF, Verdict, judged
 from hjcamp.errors import UsageError
 
-SAMPLES = Path(__file__).parents[2] / "docs" / "own_plant"
+SAMPLES = Path(__file__).parents[3] / "docs" / "own_plant"
 ONLY = "spring,constant_force,quadratic_drag"  # those of the verdict's tests and of the notebook: one kernel
 run = CliRunner().invoke
 
