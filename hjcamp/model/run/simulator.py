@@ -24,6 +24,7 @@ from hjcamp.model.language import term_checks
 from hjcamp.model.language.amount_formula import MATHEMATICS
 from hjcamp.model.language.term_checks import check_compiles, check_law_compiles, limited, users_files
 from hjcamp.model.run import driving
+from hjcamp.model.run.rates import Rates
 
 Array = NDArray[np.float64]
 PERIOD = 1e-3
@@ -70,6 +71,11 @@ class Simulator:
     def source(self) -> str:
         """The text of the kernel, for which its equations are called as Python."""
         return self._looked_at(self._text)
+
+    @cached_property
+    def rates(self) -> Rates:
+        """The rates of the composition, compiled by themselves."""
+        return Rates(self.composition)
 
     def _looked_at(self, write: Callable[[], str]) -> str:
         if self.users_files:
