@@ -55,7 +55,7 @@ def _logs_at(path: Path) -> list[Path]:
 
 
 def tell(text: str) -> None:
-    """Say something beside the answer, on standard error."""
+    """Say something with the answer, on standard error."""
     print(f"hjcamp: {text}", file=sys.stderr)
 
 

@@ -199,7 +199,7 @@ def _likely(table: FieldTable, name: str, values: np.ndarray, low: float, high: 
 
 
 def _untypical(log: TestLog, plant: type[Plant], wrong: set[str]) -> Iterator[Finding]:
-    """Say which columns are as large as a wrong unit makes them beside what the plant's file calls typical.
+    """Say which columns are as large as a wrong unit makes them relative to what the plant's file calls typical.
 
     A file that says nothing is not heeded, nor one whose typical size no other unit explains.
     """
@@ -231,10 +231,10 @@ def wrong_unit(field: Field, size: float, than: str, unit: str, factor: float) -
     """Return in words that a column, ``than`` usual, may be in ``unit``, ``factor`` of its own, and which mistake looks the same."""
     plain = field.unit == "1"
     own = "a ratio" if plain else field.unit
-    alike = (
+    similar = (
         name for name, one in units_of(field).items() if not one.shift and math.isclose(one.factor * factor, 1.0, rel_tol=1e-6)
     )
-    taken = " or ".join([f"{unit} read as {own}", *(f"{own} as {name}" for name in alike)])
+    taken = " or ".join([f"{unit} read as {own}", *(f"{own} as {name}" for name in similar)])
     off = f"{max(factor, 1.0 / factor):.4g} times too {'small' if factor > 1.0 else 'large'}"
     return (
         f"'{field.name}' goes to {size:.4g}{'' if plain else f' {own}'}, {than}; "

@@ -99,9 +99,9 @@ def units_of(field: Field) -> dict[str, Conversion]:
 @cache
 def _units_of(shown: str) -> dict[str, Conversion]:
     own = next(unit for unit in FIELD_UNITS.values() if unit.shown == shown)
-    alike = {unit.shown: own.scale / unit.scale for unit in FIELD_UNITS.values() if unit.si == own.si}
+    same_si = {unit.shown: own.scale / unit.scale for unit in FIELD_UNITS.values() if unit.si == own.si}
     relatives = {unit: size * own.scale for unit, size in RELATIVES.get(own.si, {}).items()}
-    sizes = {shown: 1.0} | alike | relatives
+    sizes = {shown: 1.0} | same_si | relatives
     return {unit: Conversion(size, SHIFTS.get(unit, 0.0)) for unit, size in sizes.items()}
 
 
@@ -111,9 +111,9 @@ def conversion_to_field(field: Field, unit: str, where: str) -> Conversion:
     same = {name.translate(WRITTEN): name for name in reversed(allowed)}
     if (known := same.get(ALIASES.get(unit, unit).translate(WRITTEN))) is not None:
         return allowed[known]
-    alike = [name for name in allowed if name.casefold() == unit.casefold()]
-    if alike:
-        raise UsageError(f"unknown unit '{unit}' of '{field.name}' in {where}; did you mean '{alike[0]}'?")
+    similar = [name for name in allowed if name.casefold() == unit.casefold()]
+    if similar:
+        raise UsageError(f"unknown unit '{unit}' of '{field.name}' in {where}; did you mean '{similar[0]}'?")
     refusal = unknown(f"unit of '{field.name}'", unit, allowed, where)
     own, other = (_quantity(one) for one in (field.unit, unit))
     if own and other and own != other:

@@ -1,4 +1,4 @@
-"""The changes on top of a commit, as text that ``git apply`` takes: kept beside what was made with them."""
+"""The changes on top of a commit, as text that ``git apply`` takes: kept with what was made with them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What came out of a sweep: the objectives of its jobs beside what was varied, the best, and what to do next."""
+"""What came out of a sweep: the objectives of its jobs with what was varied, the best, and what to do next."""
 
 from __future__ import annotations
 

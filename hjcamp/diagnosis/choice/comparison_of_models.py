@@ -74,6 +74,9 @@ def confidence_set(advantage: Array, apart: Array, alpha: float, seed: int = 1) 
 
 
 def not_worse(errors: Sequence[Array], delta: float) -> list[int]:
-    """Return the models whose errors (sensors,) are within a share delta of the least of all in every sensor."""
+    """Return the models whose errors (channels,) are no more than delta above the least of all in every channel.
+
+    Errors are shares of what lies above repeatability: what differs by less than delta does not matter.
+    """
     least = np.min(np.array(errors), axis=0)
-    return [k for k, one in enumerate(errors) if np.all(one <= (1.0 + delta) * least)]
+    return [k for k, one in enumerate(errors) if np.all(one <= least + delta)]

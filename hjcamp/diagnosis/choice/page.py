@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from hjcamp.diagnosis.calibration.analysis import Analysis, what_lacks
 from hjcamp.diagnosis.candidates.equivalence import alike_laws
 from hjcamp.diagnosis.choice.comparison_of_models import confidence_set, nested_choice, not_worse
+from hjcamp.diagnosis.choice.kinds import judged
 from hjcamp.diagnosis.choice.subsets import Blocks, Column, Ranked, best_settings, kept_by_blocks, pairs_of
 from hjcamp.diagnosis.screening.screening import Probe, Projection
 from hjcamp.diagnosis.selection.scored import Scored
@@ -57,7 +58,9 @@ class Page:
 
     def __init__(self, analysis: Analysis, alpha: float = ALPHA, delta: float = DELTA) -> None:
         self.analysis, self.alpha, self.delta = analysis, alpha, delta
-        self.search, self.base = analysis.search, analysis.base
+        kinds = judged(analysis)
+        self.search, self.base, self.repeatability = kinds.search, kinds.base, kinds.repeatability
+        self.channel_names, self.channels = list(kinds.channels), list(kinds.channels.values())
         self.layout = analysis.windows.layout
         self.blocks = self.search.blocks
         self.names = np.unique(self.blocks)
@@ -86,7 +89,7 @@ class Page:
 
     @cached_property
     def probes(self) -> list[Probe]:
-        """The responses of every candidate beside the base, at each setting of its shapes."""
+        """The responses of every candidate relative to the base, at each setting of its shapes."""
         search, fitted = self.search, self.base.fitted
         search.windows.place = self.base.place
         search.windows.kernels.hold(fitted.candidate.effects)
@@ -189,18 +192,22 @@ class Page:
     # -- decision
 
     def errors(self, features: Array) -> Array:
-        """Return the mean square of features (windows, d) of each sensor (sensors,), in units of its noise."""
-        return np.asarray(np.mean(features**2, axis=0).reshape(len(self.layout.measured.sensors), -1).mean(axis=1))
+        """Return the mean square of features (windows, d) of each channel (channels,), in units of its noise."""
+        return self.by_channel(np.mean(features**2, axis=0))
+
+    def by_channel(self, squares: Array) -> Array:
+        """Return the means (..., channels) of numbers (..., d) over the features of each channel: of a sensor, of a balance."""
+        return np.stack([squares[..., one].mean(axis=-1) for one in self.channels], axis=-1)
 
     @cached_property
     def excess(self) -> Array:
-        """The base's mean square above repeatability (sensors,), no less than a share delta of all of it."""
+        """The base's mean square above repeatability (channels,), no less than a share delta of all of it."""
         whole = self.errors(self.base.features)
-        least = np.maximum(np.diag(self.analysis.floor.moments) - 1.0, 0.0).reshape(len(whole), -1).mean(axis=1)
+        least = self.by_channel(np.maximum(np.diag(self.repeatability.moments) - 1.0, 0.0))
         return np.asarray(np.maximum(whole - least, self.delta * whole))
 
     def share(self, features: Array, before: Array | None = None) -> float:
-        """Return which share of the error above repeatability features (windows, d) explain beyond others, in the best sensor."""
+        """Return which share of the error above repeatability features (windows, d) explain beyond others, in the best channel."""
         return float(
             np.max((self.errors(self.base.features if before is None else before) - self.errors(features)) / self.excess)
         )
@@ -227,7 +234,7 @@ class Page:
         t, weight = ratio_t(
             advantages(features, base.features, self.blocks), discrimination(fitted, base.fitted.features, self.blocks)
         )
-        gain = (base.features**2 - features**2).reshape(len(features), len(self.excess), -1).mean(axis=2)
+        gain = self.by_channel(base.features**2 - features**2)
         each = np.array([gain[self.blocks == one].sum(axis=0) for one in self.names]) / len(features)
         spread = np.sqrt(count / (count - 1.0) * np.sum((each - each.mean(axis=0)) ** 2, axis=0))
         whole = self.errors(base.features)
@@ -267,7 +274,7 @@ class Page:
         """Return the word, the effects, and the sets of the simplest models that err as little as the best."""
         if not left:
             return OUTSIDE, (), ()
-        within = [left[k] for k in not_worse([np.sqrt(self.errors(one.features) + 1.0) for one in left], self.delta)]
+        within = [left[k] for k in not_worse([self.errors(one.features) / self.excess for one in left], self.delta)]
         if not within:  # each errs least in another sensor
             free = all(self.level(one) % 2 for one in left)
             return (OUTSIDE if free else CANNOT_TELL), (), tuple(one.beyond(self.base) for one in left)

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.diagnosis.residuals.balances import Balances
 from hjcamp.diagnosis.residuals.continuity import Memory, Passage, Through
 from hjcamp.diagnosis.residuals.initial_states import on_sensors
 from hjcamp.diagnosis.residuals.simulated import STEP, Predicted, Simulated
@@ -37,7 +38,9 @@ class Place(NamedTuple):
 
 @dataclass
 class Windows(Simulated):
-    """The residuals of models over the windows of a layout, whose starts are moved as the tests tell."""
+    """The residuals of models over the windows of a layout, whose starts are moved as the tests tell, with ``balances`` if any."""
+
+    balances: Balances | None = None
 
     @property
     def place(self) -> Place:
@@ -65,7 +68,7 @@ class Windows(Simulated):
         for _ in range(rounds):
             found = self._moved(candidate, found, self._passage_of(candidate, found))
         self._passage = self._passage_of(candidate, found)
-        return self._unexplained(found)
+        return self._unexplained(candidate, found)
 
     def along(self, candidate: Candidate) -> Array:
         """Return the features of a model; of one that remembers, with starts that are moved along with it, and kept as they are here.
@@ -75,7 +78,7 @@ class Windows(Simulated):
         if not self.remembers(candidate):
             return self.features(candidate)
         own = copy.copy(self)
-        return own._unexplained(own._moved(candidate, own._predicted(candidate), own._passage))
+        return own._unexplained(candidate, own._moved(candidate, own._predicted(candidate), own._passage))
 
     def _moved(self, candidate: Candidate, found: Predicted, passage: Passage | Through) -> Predicted:
         """Move each window's start from a prediction to where a passage meets its readings best, and return what is predicted there."""
@@ -185,8 +188,9 @@ class Windows(Simulated):
 
         What nothing measures begins where the window before ended.
         """
-        return self._unexplained(self._predicted(candidate, friction=friction))
+        return self._unexplained(candidate, self._predicted(candidate, friction=friction))
 
-    def _unexplained(self, found: Predicted) -> Array:
-        """Return what no start explains of the errors of a prediction."""
-        return self._passage.unexplained(self._left(found), self.starts / self.sizes, found.ends / self.sizes)
+    def _unexplained(self, candidate: Candidate, found: Predicted) -> Array:
+        """Return what no start explains of the errors of a prediction, and behind it the balances."""
+        own = self._passage.unexplained(self._left(found), self.starts / self.sizes, found.ends / self.sizes)
+        return own if self.balances is None else np.concatenate([own, self.balances.features(candidate)], axis=1)

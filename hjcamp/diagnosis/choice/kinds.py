@@ -1,0 +1,99 @@
+"""An analysis with all residual kinds: balances with the predictions over windows, and the base fitted to both."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.data.repeatability import Floor, floor_of
+from hjcamp.diagnosis.data.segments import Layout
+from hjcamp.diagnosis.estimation.gauss_newton import fit
+from hjcamp.diagnosis.residuals.balances import Balances
+from hjcamp.diagnosis.residuals.windows import Windows
+from hjcamp.diagnosis.selection.forward import Search
+from hjcamp.diagnosis.selection.scored import Scored
+from hjcamp.model.declare.candidate import Candidate
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Alone:
+    """Balances in the place of windows, for fits that need nothing else: a tenth of a second where windows take minutes."""
+
+    balances: Balances
+
+    def along(self, candidate: Candidate) -> Array:
+        """Return the balances (windows, features) of a candidate."""
+        return self.balances.features(candidate)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What is judged by: a search over windows with balances, its base, what cannot be explained, and the channels of the features.
+
+    ``channels`` are those of each sensor, by its field, and of each balance, by its state.
+    """
+
+    search: Search
+    base: Scored
+    repeatability: Floor
+    channels: Mapping[str, slice]
+
+
+def judged(analysis: Analysis) -> Judged:
+    """Return an analysis with every residual kind that its measured states allow."""
+    search, base, windows = analysis.search, analysis.base, analysis.windows
+    layout = windows.layout
+    fields, orders = [one.field for one in layout.measured.sensors], layout.basis.shape[1]
+    channels = {field: slice(k * orders, (k + 1) * orders) for k, field in enumerate(fields)}
+    windows.place = base.place
+    candidate = base.fitted.candidate
+    plain = candidate.without(windows.forms)
+    balances = Balances.of(layout, windows.kernels, plain, windows.readings(candidate)[1], search.blocks)
+    if balances is None:
+        return Judged(search, base, analysis.floor, channels)
+    own = copy.copy(search)
+    own.windows, own.steps = replace(windows, balances=balances), []
+    own.windows.place = base.place
+    found = _base(own, base, balances)
+    own.windows.place = found.place
+    at = len(fields) * orders
+    for one in balances.balanced:
+        channels[one.name], at = slice(at, at + one.features), at + one.features
+    return Judged(own, found, _repeatability(layout, found.fitted.features, len(fields) * orders), channels)
+
+
+def _repeatability(layout: Layout, features: Array, predicted: int) -> Floor:
+    """Return what cannot be explained of features (windows, d), of which the first are ``predicted`` and the others balances.
+
+    Without repetitions nothing but the sensors' noise is known of balances: they add up over blocks, whatever the motion of a window.
+    """
+    whole = floor_of(layout, features)
+    if whole.source == "repetitions":
+        return whole
+    own = floor_of(layout, features[:, :predicted])
+    moments = 2.0 * np.eye(features.shape[1])
+    moments[:predicted, :predicted] = own.moments
+    return Floor(own.source, moments, own.usual)
+
+
+def _base(search: Search, base: Scored, balances: Balances) -> Scored:
+    """Return the base fitted to all kinds: from where it stands, or from where the balances alone have it, what fits better."""
+    candidate, windows = base.fitted.candidate, search.windows
+    starts = [candidate]
+    free = [one for one in search.free_of(candidate) if not one.effect]
+    alone: Windows = Alone(balances)  # type: ignore[assignment]
+    begun = fit(alone, candidate.with_base({one.name: search.declared[one.name] for one in free}), free)
+    if np.isfinite(begun.loss):
+        starts.append(begun.candidate)
+    fits = []
+    for one in starts:
+        windows.place = base.place
+        fits.append(search.fitted(one))
+    return min(fits, key=lambda one: one.fitted.loss)

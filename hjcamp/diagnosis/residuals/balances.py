@@ -1,0 +1,293 @@
+r"""Balances: what a state's change and its rate, both at measured states, differ by; nothing is simulated.
+
+Of a state x whose rate f depends on measured states alone, with test functions :math:`\varphi_j` that vanish at the ends of each window
+(weak form; Shinbrot 1957; Messenger & Bortz 2021, doi:10.1137/20M1343166):
+
+.. math:: b_{wj} = \int_w \varphi_j\,(\dot x - f(x, u))\,\mathrm{d}t, \quad
+          c_w = \overline{x - \int_0^t f\,\mathrm{d}t}\;\Big|_w - \text{its mean over the block}
+
+b is the balance over a window (forces of a body, flows of a store, heat of a thermal mass), c that over a whole block, which shows what
+is small and lasts; beyond the parts that are left out by turns nothing adds up, so these stay independent. A contact is balanced while
+it slides. Both are in units of what the sensors' noise makes of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.diagnosis.data.segments import Layout
+from hjcamp.diagnosis.data.tests import Measured
+from hjcamp.diagnosis.residuals.initial_states import erring_sensors, estimated, rate_of, shown_by
+from hjcamp.diagnosis.residuals.kernels import Kernels
+from hjcamp.model.declare.base_values import DELAY
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.language.vocabulary import read_vocabulary
+from hjcamp.model.run.rates import Along, Course
+
+Array = NDArray[np.float64]
+# Test functions of a window: Legendre polynomials of these orders, and in samples how long they rise from nothing at its ends.
+ORDERS, RISE = 4, 6
+# Draws of the sensors' noise by which the noise of a balance is found.
+DRAWS = 6
+# A stretch of a window shorter than this (samples) has no balance: its test functions would hardly differ.
+SHORTEST = 4 * RISE
+# How often the true state is renewed where a sensor errs: a gain of 1 + g is inverted to g^3.
+RENEWED = 3
+
+
+@dataclass(frozen=True)
+class Balance:
+    """The balance of one state: its place among the states, and ``whole`` where it counts over whole blocks too."""
+
+    state: int
+    name: str
+    whole: bool
+
+    @property
+    def features(self) -> int:
+        """How many numbers it gives for each window."""
+        return ORDERS + self.whole
+
+
+@dataclass
+class Balances:
+    """The balances of the windows of a layout, at ``states`` (n, states) as they were measured, or filled in where nothing measures."""
+
+    layout: Layout
+    kernels: Kernels
+    states: Array
+    moving: Array
+    blocks: NDArray[np.int64]
+    balanced: tuple[Balance, ...] = ()
+    scale: Array = field(default_factory=lambda: np.ones(1))
+
+    @classmethod
+    def of(cls, layout: Layout, kernels: Kernels, base: Candidate, filled: Array, blocks: NDArray[np.int64]) -> Balances | None:
+        """Return those that the measured states allow, None without any.
+
+        ``filled`` (n, states) has a prediction where nothing is measured; ``blocks`` (windows,) are left out by turns.
+        """
+        states = _known(layout, layout.measured)
+        seen = np.asarray(np.isfinite(states).all(axis=0))
+        moving = _sides(layout, states)
+        found = cls(layout, kernels, np.where(np.isfinite(states), states, filled), moving, blocks)
+        found.balanced = tuple(found._able(base, seen))
+        if not found.balanced:
+            return None
+        found.scale = found._noise(base)
+        return found
+
+    def features(self, candidate: Candidate) -> Array:
+        """Return the balances (windows, features) in units of their noise."""
+        return np.asarray(self._raw(candidate, self.states) / self.scale)
+
+    def _able(self, base: Candidate, seen: NDArray[np.bool_]) -> list[Balance]:
+        """Return the states that can be balanced: measured, of which the rate is an equation of measured states alone."""
+        plant: Any = self.layout.measured.plant
+        names, contacts = list(plant.states), {one.velocity for one in read_vocabulary(plant).contacts}
+        kinematic = set(rate_of(plant).values())
+        usual = np.array([item.typical for item in plant.states.values()])
+        before = self._along(base, self.states).before
+        hidden = self.states.copy()
+        hidden[:, ~seen] += 0.1 * usual[~seen]
+        moved = self._along(base, hidden).before if (~seen).any() else before
+        found = []
+        for k, name in enumerate(names):
+            if not seen[k] or name in kinematic or np.any(moved[:, k] != before[:, k]):
+                continue
+            slides = name not in contacts and not self._braked(base, k, contacts)
+            found.append(Balance(k, name, whole=slides))
+        return found
+
+    def _braked(self, base: Candidate, state: int, contacts: set[str]) -> bool:
+        """Whether a contact's friction, which no one knows while it is held, is in the rate of another state."""
+        if not contacts or not self.moving.any():
+            return False
+        turned = replace(self)
+        turned.moving = -self.moving
+        one, other = (each._along(base, self.states).before[:, state] for each in (self, turned))
+        return bool(np.any(one != other))
+
+    def _along(self, candidate: Candidate, states: Array) -> Along:
+        """Return the rates at given states (n, states)."""
+        layout = self.layout
+        model, values = self.kernels.model(candidate)
+        inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
+        inputs = inputs.reshape(len(states), -1, inputs.shape[1]).mean(axis=1)
+        begins = np.zeros(len(states), dtype=np.int64)
+        begins[:: layout.width] = layout.fresh
+        parts: list[tuple[NDArray[np.bool_], Along]] = []
+        for given, windows in layout.groups:
+            rows = np.repeat(windows, layout.width)
+            p = model.vector({**values, **given})
+            course = Course(
+                layout.measured.period, begins[rows], layout.time[rows], self._direction[rows], states[rows], inputs[rows]
+            )
+            parts.append((rows, model.rates.along(p, course, frozenset(candidate.effects))))
+        if len(parts) == 1:
+            return parts[0][1]
+        whole = Along(*(np.empty((len(states), *one.shape[1:])) for one in parts[0][1]))
+        for rows, part in parts:
+            for into, own in zip(whole, part, strict=True):
+                into[rows] = own
+        return whole
+
+    @property
+    def _direction(self) -> Array:
+        return np.asarray(self.moving @ (3.0 ** np.arange(self.moving.shape[1])))
+
+    def _true(self, candidate: Candidate, states: Array) -> Array:
+        """Return the states (n, states) without what a candidate's sensors err by (effects without a memory of their own)."""
+        layout = self.layout
+        plant: Any = layout.measured.plant
+        erring = erring_sensors(plant, {name: self.kernels.effects[name] for name in candidate.effects})
+        if not erring:
+            return states
+        plain, names, found = candidate.without(set().union(*erring.values())), list(plant.states), states
+        for _ in range(RENEWED):
+            wrong, right = (self._along(one, found).readings for one in (candidate, plain))
+            found = states.copy()
+            for shown in erring:
+                column, of = list(plant.measured).index(shown), plant.measured[shown].of
+                error = (wrong[:, column] - right[:, column]) / shown_by(plant, shown)[1]
+                error = np.where(np.isfinite(error), error, 0.0)
+                found[:, names.index(of)] -= error
+                above = next((rate for rate, one in rate_of(plant).items() if one == of), "")
+                if above:
+                    found[:, names.index(above)] -= self._slope(error)
+        return found
+
+    def _slope(self, values: Array) -> Array:
+        """Return the rate (n,) of values (n,), within windows that follow one another."""
+        width = self.layout.width
+        begins = np.flatnonzero(self.layout.fresh) * width
+        found = np.zeros_like(values)
+        for low, high in zip(begins, [*begins[1:], len(values)], strict=True):
+            found[low:high] = np.gradient(values[low:high], self.layout.measured.period)
+        return found
+
+    def _raw(self, candidate: Candidate, states: Array) -> Array:
+        """Return the balances (windows, features) at states (n, states), each in the unit of its state."""
+        true = self._true(candidate, states)
+        along, period = self._along(candidate, true), self.layout.measured.period
+        parts = []
+        for one in self.balanced:
+            x = true[:, one.state]
+            shown = _gain(states[:, one.state], x)
+            # what was gained in each sample beyond what the rate gives, 0 where nothing follows
+            rate = along.before[:, one.state].copy()
+            rate[:-1] += along.after[:-1, one.state]
+            gained = shown * (np.append(np.diff(x), 0.0) - 0.5 * period * rate)
+            gained[self._last] = 0.0
+            parts.append(np.einsum("wt,wtj->wj", gained.reshape(-1, self.layout.width), self._tests[one.name]))
+            if one.whole:
+                parts.append(self._whole(gained)[:, None])
+        return np.concatenate(parts, axis=1)
+
+    def _whole(self, gained: Array) -> Array:
+        """Return the mean in each window of what adds up over its block (windows,), less the block's mean."""
+        layout = self.layout
+        added = np.zeros(len(gained) // layout.width)
+        each = gained.reshape(-1, layout.width)
+        runs = np.cumsum(layout.fresh | np.append(True, np.diff(self.blocks) != 0))
+        inner = np.cumsum(each, axis=1)
+        ends = inner[:, -1]
+        for run in np.unique(runs):
+            rows = np.flatnonzero(runs == run)
+            before = np.concatenate([[0.0], np.cumsum(ends[rows])[:-1]])
+            own = before + inner[rows].mean(axis=1)
+            added[rows] = own - own.mean()
+        return added
+
+    @cached_property
+    def _last(self) -> NDArray[np.bool_]:
+        """Whether a sample is the last of a run of windows (n,)."""
+        begins = np.zeros(len(self.states), dtype=bool)
+        begins[:: self.layout.width] = self.layout.fresh
+        return np.append(begins[1:], True)
+
+    @cached_property
+    def _tests(self) -> dict[str, Array]:
+        """The test functions of each balance (windows, width, orders): over the longest stretch of a window in which it slides."""
+        layout, plant = self.layout, self.layout.measured.plant
+        contacts = [one.velocity for one in read_vocabulary(plant).contacts]
+        found = {}
+        for one in self.balanced:
+            use = np.ones((len(layout.of_test), layout.width), dtype=bool)
+            if one.whole is False:
+                own = [contacts.index(one.name)] if one.name in contacts else range(len(contacts))
+                for k in own:
+                    use &= _slides(self.moving[:, k]).reshape(use.shape)
+            found[one.name] = np.stack([_test_functions(row) for row in use])
+        return found
+
+    def _noise(self, base: Candidate) -> Array:
+        """Return the standard deviation of each feature by the sensors' noise: the median of windows, over draws."""
+        generator = np.random.default_rng(1)
+        measured = self.layout.measured
+        noise = measured.noise
+        before, squares = self._raw(base, self.states), []
+        for _ in range(DRAWS):
+            tests = [
+                replace(one, readings=one.readings + noise * generator.standard_normal(one.readings.shape))
+                for one in measured.tests
+            ]
+            drawn = _known(self.layout, measured.with_tests(tests))
+            squares.append((self._raw(base, np.where(np.isfinite(drawn), drawn, self.states)) - before) ** 2)
+        each = np.sqrt(np.mean(squares, axis=0))
+        used = each > 0.0
+        usual = np.array([np.median(column[mask]) if mask.any() else 1.0 for column, mask in zip(each.T, used.T, strict=True)])
+        return np.asarray(np.maximum(usual, 1e-300))
+
+
+def _gain(shown: Array, true: Array) -> float:
+    """Return the slope of what is shown (n,) over what is true (n,): a gain of a sensor must not make its noise smaller."""
+    if shown is true or np.array_equal(shown, true):
+        return 1.0
+    moved = true - true.mean()
+    power = float(moved @ moved)
+    return float(shown @ moved) / power if power > 0.0 else 1.0
+
+
+def _known(layout: Layout, measured: Measured) -> Array:
+    """Return the measured states (n, states), NaN where nothing tells them."""
+    return layout.joined(estimated(measured)[0])
+
+
+def _sides(layout: Layout, states: Array) -> Array:
+    """Return on which side each contact is (n, contacts): 0 where it rests or nothing tells."""
+    plant: Any = layout.measured.plant
+    names = list(plant.states)
+    columns = [np.sign(np.nan_to_num(states[:, names.index(one.velocity)])) for one in read_vocabulary(plant).contacts]
+    return np.column_stack(columns) if columns else np.zeros((len(states), 0))
+
+
+def _slides(side: Array) -> NDArray[np.bool_]:
+    """Return in which samples (n,) a contact slides one way, with `RISE` samples on both sides of them."""
+    same = (side != 0.0) & (np.append(side[1:], side[-1]) == side)
+    return np.asarray(np.convolve(same, np.ones(2 * RISE + 1), mode="same") > 2 * RISE + 0.5)
+
+
+def _test_functions(use: NDArray[np.bool_]) -> Array:
+    """Return the test functions of a window (width, orders) over its longest usable stretch of samples; 0 where that is short."""
+    found = np.zeros((len(use), ORDERS))
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], use.astype(int), [0]])))
+    stretches = edges.reshape(-1, 2)
+    if not len(stretches):
+        return found
+    low, high = stretches[np.argmax(stretches[:, 1] - stretches[:, 0])]
+    length = high - low
+    if length < SHORTEST:
+        return found
+    # the step from one sample to the next stands at its middle
+    at = np.arange(length - 1) + 0.5
+    ramp = np.clip(np.minimum(at, length - 1 - at) / RISE, 0.0, 1.0)
+    rise = np.sin(0.5 * np.pi * ramp) ** 2
+    powers = np.vander(np.linspace(-1.0, 1.0, length - 1), ORDERS, increasing=True) * rise[:, None]
+    found[low : high - 1] = np.linalg.qr(powers)[0]
+    return found

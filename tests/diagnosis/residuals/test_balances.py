@@ -1,0 +1,202 @@
+"""Balances at measured states: against closed forms, against plain Python, and in units of what the sensors' noise makes of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import slide as moved
+
+from hjcamp.diagnosis.data.segments import Layout
+from hjcamp.diagnosis.data.tests import Measured, measured_tests
+from hjcamp.diagnosis.estimation.likelihood import loss
+from hjcamp.diagnosis.residuals.balances import ORDERS, Balances
+from hjcamp.diagnosis.residuals.kernels import Kernels
+from hjcamp.diagnosis.validation.blocks import advantages, discrimination, ratio_t
+from hjcamp.effects import load_effects
+from hjcamp.known_plants import plant_called
+from hjcamp.model.checks.place_checks import PlainModel
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.declare.effect import Effect
+from hjcamp.model.run.rates import Course, Rates
+
+WIDTH = 30
+CONTACT = '''"""A block that rubs on a rail."""
+
+from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, body, contact, outside, sensor
+
+
+class Block(Plant):
+    """A force moves a block that rubs."""
+
+    position = State("m", typical=0.1)
+    velocity = State("m/s", typical=0.1)
+    pull = Input("N", typical=3.0)
+    mass = Parameter("kg", 2.0)
+    coulomb = Parameter("N", 1.0, (0.0, 10.0), base=True)
+    period = 0.005
+    position_m = Measured("scale", of="position")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        force = actuator(drive.pull)
+        load = outside("N")
+        friction = contact(state.velocity, push=force + load, coulomb=parameter.coulomb, mass=parameter.mass)
+        rate.position = state.velocity
+        rate.velocity = body(force + load - friction, mass=parameter.mass, load=load, position=state.position)
+        scale = sensor(state.position)
+'''
+
+
+def balances_of(measured: Measured, base: Candidate, effects: dict[str, type[Effect]] | None = None) -> Balances | None:
+    """The balances over windows of `WIDTH` samples, each of six windows a block."""
+    layout = Layout(measured, WIDTH)
+    filled = np.zeros((len(layout.time), len(measured.plant.states)))
+    blocks = np.arange(len(layout.of_test)) // 6
+    return Balances.of(layout, Kernels(measured.plant, effects or {}), base, filled, blocks)
+
+
+def of_base(measured: Measured, **values: float) -> Candidate:
+    return Candidate({name: measured.plant.parameters[name].default for name in measured.plant.base_parameters} | values, {})
+
+
+def test_the_balance_of_the_true_model_is_the_sensors_noise(slab: Measured) -> None:
+    found = balances_of(slab, of_base(slab, loss=2.5))
+    assert found is not None
+    features = found.features(of_base(slab, loss=2.5))
+    assert features.shape == (len(found.layout.of_test), ORDERS + 1)
+    assert np.sqrt(np.mean(features**2, axis=0)) == pytest.approx(np.ones(ORDERS + 1), abs=0.2)
+
+
+def test_a_loss_that_the_model_lacks_is_in_the_balance_as_large_as_it_is(slab: Measured) -> None:
+    true, less = of_base(slab, loss=2.5), of_base(slab, loss=2.0)
+    found = balances_of(slab, true)
+    assert found is not None
+    change = (found.features(less) - found.features(true)) * found.scale
+    # what is lost more over a window: 0.5 W/K of the measured warmth over 200 J/K, through the same test functions
+    warmth = found.states[:, 0]
+    lost = np.append(0.5 * (warmth[1:] + warmth[:-1]), 0.0) * 0.5 / 200.0
+    by_hand = np.einsum("wt,wtj->wj", -lost.reshape(-1, WIDTH), found._tests["warmth"])
+    assert change[:, :ORDERS] == pytest.approx(by_hand, abs=1e-9 * np.abs(by_hand).max())
+
+
+def test_what_is_small_and_lasts_shows_more_over_a_block_than_over_a_window(slab: Measured) -> None:
+    found = balances_of(slab, of_base(slab, loss=2.5))
+    assert found is not None
+    off = found.features(of_base(slab, loss=2.4)) - found.features(of_base(slab, loss=2.5))
+    window, block = np.sqrt(np.mean(off[:, :ORDERS] ** 2, axis=0)).max(), np.sqrt(np.mean(off[:, ORDERS] ** 2))
+    assert block > 1.5 * window
+
+
+def test_a_gain_of_the_sensor_makes_no_balance_smaller(slab: Measured) -> None:
+    library = {name: one for name, one in load_effects(plant=slab.plant).items() if name == "sensor_gain"}
+    found = balances_of(slab, of_base(slab, loss=2.5), library)
+    assert found is not None
+    [(name, effect)] = library.items()
+    [gain] = [one for one, item in effect.parameters.items() if item.off is not None]
+    plain = of_base(slab, loss=2.5)
+    sizes = []
+    for g in (-0.3, 0.0, 0.3):
+        with_gain = plain.with_effect(name, {**effect.defaults(), gain: g})
+        sizes.append(np.linalg.norm(found.features(with_gain)[:, 1:ORDERS]))
+    # power is known, so a wrong gain errs: it must never look better than the truth
+    assert sizes[1] < sizes[0] and sizes[1] < sizes[2]
+
+
+@pytest.fixture
+def block(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plants").mkdir()
+    (tmp_path / "plants" / "block.py").write_text(CONTACT)
+    return tmp_path
+
+
+def rubbing(seed: int, noise: float) -> Measured:
+    """Pulls against 1 N of friction, by steps of 0.1 ms: the block rests, slides and turns."""
+    from hjcamp.records.log import TestLog
+
+    chance, count, fine = np.random.default_rng(seed), 2400, 50
+    pulls = np.round(np.repeat(chance.uniform(-3.0, 3.0, count // 80), 80), 3)
+    x = v = 0.0
+    places = np.empty(count)
+    for k in range(count):
+        places[k] = x
+        for _ in range(fine):
+            if v == 0.0 and abs(pulls[k]) <= 1.0:
+                continue
+            side = np.sign(v) or np.sign(pulls[k])
+            later = v + 1e-4 * (pulls[k] - side - 4.0 * x) / 2.0
+            v = 0.0 if v * later < 0.0 else later
+            x += 1e-4 * v
+    columns = {
+        "time_s": np.arange(count) * 0.005,
+        "position_m": places + noise * chance.standard_normal(count),
+        "pull_n": pulls,
+    }
+    return measured_tests([TestLog(columns, {"plant": "block", "period_s": "0.005", "condition": "a"})])
+
+
+def test_a_contact_is_balanced_only_while_it_slides_one_way(block: Path) -> None:
+    measured = rubbing(1, 2e-5)
+    found = balances_of(measured, of_base(measured))
+    assert found is not None
+    assert [(one.name, one.whole) for one in found.balanced] == [("velocity", False)]
+    used = np.abs(found._tests["velocity"]).sum(axis=2).ravel() > 0.0
+    side = found.moving[:, 0]
+    assert used.any() and not used.all()
+    assert np.all(side[used] != 0.0)
+    # a spring of 4 N/m that the model lacks: the force that its balance misses is that of the spring
+    rows = found._tests["velocity"][:, :, 0]
+    missing = (found.features(of_base(measured)) * found.scale)[:, 0]
+    spring = np.einsum("wt,wt->w", -4.0 * found.states[:, 0].reshape(-1, WIDTH) / 2.0 * 0.005, rows)
+    seen = np.abs(rows).sum(axis=1) > 0.0
+    assert np.corrcoef(missing[seen], spring[seen])[0, 1] > 0.99
+    assert np.polyfit(spring[seen], missing[seen], 1)[0] == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_state_whose_rate_depends_on_what_nothing_measures_has_no_balance(tanks: Path) -> None:
+    from gauge import measured_log
+
+    measured = measured_tests([measured_log()])
+    assert balances_of(measured, of_base(measured)) is None
+
+
+def test_rates_along_given_states_are_those_of_the_equations(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("plants").mkdir()
+    Path("plants/slide.py").write_text(moved.PLANT)
+    plant = plant_called("slide", "here")
+    chance, n = np.random.default_rng(2), 40
+    states, inputs = chance.standard_normal((n, 2)), np.column_stack([chance.standard_normal(n), np.ones(n)])
+    composition = Composition(plant)
+    order = [plant.sampled_inputs().index(name) for name in ("voltage", "friction_scatter")]
+    given = np.empty_like(inputs)
+    given[:, order] = inputs
+    p = np.array([item.default for item in composition.parameters.values()])
+    begins = np.zeros(n, dtype=np.int64)
+    begins[0] = 1
+    along = Rates(composition).along(p, Course(0.005, begins, np.arange(n) * 0.005, np.zeros(n), states, given))
+    plain = PlainModel(plant)
+    for k in range(n - 1):
+        now = plain.rates({"position": states[k, 0], "velocity": states[k, 1], "voltage": inputs[k, 0]})
+        then = plain.rates({"position": states[k + 1, 0], "velocity": states[k + 1, 1], "voltage": inputs[k, 0]})
+        assert along.before[k] == pytest.approx(list(now.values()), rel=1e-12)
+        assert along.after[k] == pytest.approx(list(then.values()), rel=1e-12)
+
+
+def test_what_two_kinds_say_twice_counts_once_where_blocks_decide() -> None:
+    # the second kind is what the first says, in other units: losses add up, Student's t over blocks stays what it is
+    blocks, turned, ratios = np.repeat(np.arange(12), 20), np.array([[2.0, 1.0], [0.5, 3.0]]), []
+    for seed in range(20):
+        chance = np.random.default_rng(seed)
+        after = 20.0 * chance.standard_normal((240, 2))
+        before = after + 8.0 * chance.standard_normal((240, 2))
+        both = [np.hstack([one, one @ turned]) for one in (after, before)]
+        assert loss(both[1]) - loss(both[0]) > 1.5 * (loss(before) - loss(after))
+        alone = ratio_t(advantages(after, before, blocks), discrimination(after, before, blocks))
+        twice = ratio_t(advantages(*both, blocks), discrimination(*both, blocks))
+        ratios.append(twice[0] / alone[0])
+    # twice the information would be a factor of 1.41
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.1)
