@@ -18,10 +18,12 @@ class Probe(NamedTuple):
     places: NDArray[np.intp]
     readings: Array
 
-    def found_in(self, values: Array, within: float) -> NDArray[np.intp]:
-        """Return the samples of ``values`` (m,) at which a copy has the first of the readings, all within ``within``."""
-        found: NDArray[np.intp] = np.arange(len(values))
+    def found_in(self, values: Array, within: float, among: NDArray[np.intp] | None = None) -> NDArray[np.intp]:
+        """Return the samples of ``values`` (m,), ``among`` those given, where a copy has the first reading, all within ``within``."""
+        found: NDArray[np.intp] = np.flatnonzero(np.abs(values - self.readings[0]) <= within) if among is None else among
         for ahead, reading in zip(self.places - self.places[0], self.readings, strict=True):
+            if not len(found):
+                break
             found = found[found + int(ahead) < len(values)]
             found = found[np.abs(values[found + int(ahead)] - reading) <= within]
         return found
@@ -51,10 +53,8 @@ class Probed(NamedTuple):
         shared = [name for name in self.probes if name in other.measured]
         if self.condition == other.condition or not shared:
             return False
-        found = np.arange(other.samples)
-        for name in shared:
+        found = None
+        for name in shared:  # the first leaves few samples to the others: most pairs of tests end there
             within = max(self.rounding[name], other.rounding[name]) * (1.0 + ROUNDING)
-            found = np.intersect1d(found, self.probes[name].found_in(other.columns[name], within))
-            if not len(found):
-                return False
-        return True
+            found = self.probes[name].found_in(other.columns[name], within, found)
+        return found is not None and len(found) > 0
