@@ -57,9 +57,8 @@ def main() -> None:
     """Run the command line and exit with its code."""
     begin_in_utf8()
     take_streams()
-    logging.getLogger("matplotlib").setLevel(
-        logging.ERROR
-    )  # where home cannot be written it draws as well, and says so at length
+    # where home cannot be written it draws as well, and says so at length
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     signal.signal(signal.SIGTERM, _terminated)
     keep_children_safe()
     try:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Alone:
-    """Balances in the place of windows, for fits that need nothing else: a tenth of a second where windows take minutes."""
+    """Balances in the place of windows, for fits that simulate nothing."""
 
     balances: Balances
 
@@ -37,36 +38,40 @@ class Alone:
 class Judged:
     """What is judged by: a search over windows with balances, its base, what cannot be explained, and the channels of the features.
 
-    ``channels`` are those of each sensor, by its field, and of each balance, by its state.
+    ``channels`` are the features of each sensor, then of each balance.
     """
 
     search: Search
     base: Scored
     repeatability: Floor
-    channels: Mapping[str, slice]
+    channels: tuple[slice, ...]
 
 
 def judged(analysis: Analysis) -> Judged:
     """Return an analysis with every residual kind that its measured states allow."""
     search, base, windows = analysis.search, analysis.base, analysis.windows
     layout = windows.layout
-    fields, orders = [one.field for one in layout.measured.sensors], layout.basis.shape[1]
-    channels = {field: slice(k * orders, (k + 1) * orders) for k, field in enumerate(fields)}
+    widths = [layout.basis.shape[1]] * len(layout.measured.sensors)
+    predicted = sum(widths)
     windows.place = base.place
     candidate = base.fitted.candidate
     plain = candidate.without(windows.forms)
     balances = Balances.of(layout, windows.kernels, plain, windows.readings(candidate)[1], search.blocks)
     if balances is None:
-        return Judged(search, base, analysis.floor, channels)
+        return Judged(search, base, analysis.floor, _slices(widths))
     own = copy.copy(search)
     own.windows, own.steps = replace(windows, balances=balances), []
     own.windows.place = base.place
     found = _base(own, base, balances)
     own.windows.place = found.place
-    at = len(fields) * orders
-    for one in balances.balanced:
-        channels[one.name], at = slice(at, at + one.features), at + one.features
-    return Judged(own, found, _repeatability(layout, found.fitted.features, len(fields) * orders), channels)
+    widths += [one.features for one in balances.balanced]
+    return Judged(own, found, _repeatability(layout, found.fitted.features, predicted), _slices(widths))
+
+
+def _slices(widths: Sequence[int]) -> tuple[slice, ...]:
+    """Return where channels of these widths stand, one behind the other."""
+    ends = list(itertools.accumulate(widths, initial=0))
+    return tuple(slice(low, high) for low, high in itertools.pairwise(ends))
 
 
 def _repeatability(layout: Layout, features: Array, predicted: int) -> Floor:

@@ -60,7 +60,7 @@ class Page:
         self.analysis, self.alpha, self.delta = analysis, alpha, delta
         kinds = judged(analysis)
         self.search, self.base, self.repeatability = kinds.search, kinds.base, kinds.repeatability
-        self.channel_names, self.channels = list(kinds.channels), list(kinds.channels.values())
+        self.channels = kinds.channels
         self.layout = analysis.windows.layout
         self.blocks = self.search.blocks
         self.names = np.unique(self.blocks)

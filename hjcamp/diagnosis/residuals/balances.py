@@ -96,22 +96,13 @@ class Balances:
         hidden = self.states.copy()
         hidden[:, ~seen] += 0.1 * usual[~seen]
         moved = self._along(base, hidden).before if (~seen).any() else before
+        # the friction of a contact, which no one knows while it is held, acts on whatever its side changes
+        braked = np.any(replace(self, moving=-self.moving)._along(base, self.states).before != before, axis=0)
         found = []
         for k, name in enumerate(names):
-            if not seen[k] or name in kinematic or np.any(moved[:, k] != before[:, k]):
-                continue
-            slides = name not in contacts and not self._braked(base, k, contacts)
-            found.append(Balance(k, name, whole=slides))
+            if seen[k] and name not in kinematic and np.array_equal(moved[:, k], before[:, k]):
+                found.append(Balance(k, name, whole=name not in contacts and not braked[k]))
         return found
-
-    def _braked(self, base: Candidate, state: int, contacts: set[str]) -> bool:
-        """Whether a contact's friction, which no one knows while it is held, is in the rate of another state."""
-        if not contacts or not self.moving.any():
-            return False
-        turned = replace(self)
-        turned.moving = -self.moving
-        one, other = (each._along(base, self.states).before[:, state] for each in (self, turned))
-        return bool(np.any(one != other))
 
     def _along(self, candidate: Candidate, states: Array) -> Along:
         """Return the rates at given states (n, states)."""
@@ -191,18 +182,9 @@ class Balances:
 
     def _whole(self, gained: Array) -> Array:
         """Return the mean in each window of what adds up over its block (windows,), less the block's mean."""
-        layout = self.layout
-        added = np.zeros(len(gained) // layout.width)
-        each = gained.reshape(-1, layout.width)
-        runs = np.cumsum(layout.fresh | np.append(True, np.diff(self.blocks) != 0))
-        inner = np.cumsum(each, axis=1)
-        ends = inner[:, -1]
-        for run in np.unique(runs):
-            rows = np.flatnonzero(runs == run)
-            before = np.concatenate([[0.0], np.cumsum(ends[rows])[:-1]])
-            own = before + inner[rows].mean(axis=1)
-            added[rows] = own - own.mean()
-        return added
+        runs = np.cumsum(self.layout.fresh | np.append(True, np.diff(self.blocks) != 0)) - 1
+        own = np.cumsum(gained).reshape(-1, self.layout.width).mean(axis=1)
+        return np.asarray(own - (np.bincount(runs, own) / np.bincount(runs))[runs])
 
     @cached_property
     def _last(self) -> NDArray[np.bool_]:
@@ -219,7 +201,7 @@ class Balances:
         found = {}
         for one in self.balanced:
             use = np.ones((len(layout.of_test), layout.width), dtype=bool)
-            if one.whole is False:
+            if not one.whole:
                 own = [contacts.index(one.name)] if one.name in contacts else range(len(contacts))
                 for k in own:
                     use &= _slides(self.moving[:, k]).reshape(use.shape)

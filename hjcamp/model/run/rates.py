@@ -34,19 +34,16 @@ class Course(NamedTuple):
 
 
 class Along(NamedTuple):
-    """Rates (n, plant states) at each sample, and one sample later under the same inputs; readings (n, channels); of each contact what
-    pushes and its static friction (n, contacts, 2). SI.
-    """
+    """Rates (n, plant states) at each sample, and one sample later under the same inputs; readings (n, channels). SI."""
 
     before: Array
     after: Array
     readings: Array
-    pushes: Array
 
 
 @dataclass(frozen=True)
 class Rates:
-    """The rates of a composition, compiled by themselves: a tenth of what a whole kernel takes."""
+    """The rates of a composition, compiled without an integrator."""
 
     composition: Composition
 
@@ -62,14 +59,14 @@ class Rates:
 
     @limited
     def along(self, p: Array, course: Course, opened: frozenset[str] = frozenset()) -> Along:
-        """Return rates, readings and pushes along a course with the parameters p, the gates of effects ``opened`` among them."""
+        """Return rates and readings along a course with the parameters p, the gates of effects ``opened`` among them."""
         composition, n = self.composition, len(course.time)
         plain, total = len(composition.plant.states), len(composition.states)
         own = np.array(open_states(composition, set(opened)), dtype=np.int64)
         before, after = np.zeros((n, plain)), np.zeros((n, plain))
-        shown, pushes = np.zeros((n, len(composition.measured))), np.zeros((n, len(composition.contacts), 2))
+        shown = np.zeros((n, len(composition.measured)))
         self.kernel.rates_along(
             course.period, course.begins, own, course.time, course.direction, np.ascontiguousarray(course.states),
-            np.ascontiguousarray(course.inputs), p, before, after, shown, pushes, np.zeros((4, total)),
+            np.ascontiguousarray(course.inputs), p, before, after, shown, np.zeros((4, total)),
         )  # fmt: skip
-        return Along(before, after, shown, pushes)
+        return Along(before, after, shown)
