@@ -10,6 +10,7 @@ from hjcamp.model.declare.marks import (
     body,
     contact,
     limited,
+    line,
     outside,
     part,
     path,
@@ -25,6 +26,6 @@ from hjcamp.model.declare.port import Port
 
 __all__ = [
     "Contact", "Cut", "Input", "Instance", "Measured", "Parameter", "Plant", "Port", "State", "actuator", "atan2", "body", "contact",
-    "copysign", "cos", "exp", "hypot", "limited", "log", "outside", "part", "path", "pi", "sensor", "signal", "sin", "slot",
+    "copysign", "cos", "exp", "hypot", "limited", "line", "log", "outside", "part", "path", "pi", "sensor", "signal", "sin", "slot",
     "sqrt", "store", "tan", "tanh", "transmission",
 ]  # fmt: skip

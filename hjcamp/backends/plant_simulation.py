@@ -14,6 +14,7 @@ from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
 from hjcamp.controllers.fit import commanded, controlled_field, measured_fields, quantity, sources
 from hjcamp.effects import chosen_effects
+from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
 from hjcamp.model.compile.compose import Composition
 from hjcamp.model.declare.base_values import DELAY, checked_base, period_of
@@ -105,6 +106,11 @@ def _simulator(plant: Any, effects: tuple[Any, ...], law: Any, chosen: str) -> L
 def simulator_of(config: Mapping[str, Any]) -> LoopSimulator:
     """Return the simulator that a configuration asks for."""
     plant = plant_in(config)
+    for name, source in plant.rates_of_inputs().items():
+        raise UsageError(
+            f"plant {plant.name} is driven by a motion that was measured ('{name}' is the rate of '{source}'): its logs are analysed, "
+            "it is not simulated"
+        )
     law, chosen = law_of(config)
     hashable: tuple[Any, Any] = (plant, law)
     return _simulator(hashable[0], tuple(model_of(config, plant)[0]), hashable[1], chosen)

@@ -46,6 +46,7 @@ MEANINGS = {
     "velocity": "positive and negative",
     "speed": "without sign", "push": "force before friction", "direction": "0 held, +1 and -1 moving",
     "travel": "position along it", "load": "what presses on it", "mass": "what moves", "breakaway": "static friction of its own",
+    "dither": "what shakes it", "angle": "how far it is turned", "far": "level at the far end",
     "force": "outside force", "position": "of the mass", "acceleration": "of the mass", "loss": "flow lost",
     "loss_below": "flow lost by the store below", "loss_beyond": "flow lost by the other store", "level_beyond": "of the other store",
     "capacity": "inflow for one unit of level", "stiffness": "1 / capacity", "level": "what it holds", "inflow": "net, before losses",
@@ -88,6 +89,10 @@ EXAMPLES = {
     "path": Example(
         "A path is partly blocked.", "q \\leftarrow q\\,(1 - b)", "flow", "flow, blocked", "flow * (1.0 - blocked)", "blocked",
         "1", "share of the flow that is held back", "Flow that is left",
+    ),
+    "line": Example(
+        "A line narrows.", "p_2 = p_1 - R\\,q", "far", "flow, resistance", "-resistance * flow", "resistance", "far/flow",
+        "drop for each unit of flow", "What the far end lacks",
     ),
     "partition": Example(
         "A piston leaks.", "q \\mathrel{+}= G\\,(p_1 - p_2)", "loss", "level, level_beyond, leak", "leak * (level - level_beyond)",

@@ -19,11 +19,11 @@ class PendulumWeight(Effect):
     """
 
     acts_on = "body"
-    only_in = {"position": ("rad",)}  # noqa: RUF012
+    only_in = {"angle": ("rad",)}  # noqa: RUF012
     moment = Parameter("force", 0.1, (0.0, 10.0), text="weight times its distance from the axis", off=0.0)
     rest_angle = Parameter("rad", 0.0, (-3.2, 3.2), text="angle at which it hangs straight down", shape=True)
 
     @staticmethod
-    def force(position, moment, rest_angle):
-        """Torque of the weight."""
-        return -moment * sin(position - rest_angle)
+    def force(angle, moment, rest_angle):
+        """Torque of the weight, or its force along the body's way."""
+        return -moment * sin(angle - rest_angle)

@@ -19,6 +19,7 @@ class SecondStore(Effect):
     """
 
     acts_on = "store"
+    together = True
     conductance = Parameter("loss/level", 0.1, (0.0, 100.0), text="flow for each unit by which the levels differ", off=0.0)
     delay = Parameter(
         "period",

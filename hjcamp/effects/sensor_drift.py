@@ -18,6 +18,8 @@ class SensorDrift(Effect):
     """
 
     acts_on = "sensor"
+    together = True
+    each = ("drift",)
     drift = Parameter("reading/period", 2e-5, (-1e-2, 1e-2), text="error gained in each second", off=0.0)
 
     @staticmethod

@@ -17,6 +17,8 @@ class SensorGain(Effect):
     """
 
     acts_on = "sensor"
+    together = True
+    each = ("gain_error",)
     gain_error = Parameter("1", 0.05, (-0.6, 1.5), text="scale error", off=0.0)
 
     @staticmethod

@@ -17,6 +17,8 @@ class SensorOffset(Effect):
     """
 
     acts_on = "sensor"
+    together = True
+    each = ("offset",)
     offset = Parameter("reading", 0.05, (-2.0, 2.0), text="reading where the true value is 0", off=0.0)
 
     @staticmethod

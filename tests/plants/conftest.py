@@ -69,6 +69,48 @@ class Rotor(Plant):
         arm = transmission(state.angle)
         encoder = sensor(arm)
 """
+PRESS = """'''A cylinder at the end of a pipe lifts a weight by a lever.'''
+from hjcamp.plant import Input, Measured, Parameter, Plant, State
+from hjcamp.plant import body, contact, line, outside, sensor, signal, store, transmission
+
+
+class Press(Plant):
+    '''A piston is pushed through a pipe by a pump whose travel is measured; a lever shows its travel.'''
+
+    pressure = State("Pa", typical=1e5, low=-9e4)
+    travel = State("m", typical=0.02)
+    speed = State("m/s", typical=0.05)
+    pump = Input("m", typical=0.02, hold="linear", field="pump_mm")
+    pump_speed = Input("m/s", typical=0.1, rate_of="pump")
+    shaking = Input("V", typical=2.0)
+    area = Parameter("m^2", 1e-3)
+    stiffness = Parameter("Pa/m^3", 1e10, base=True)
+    mass = Parameter("kg", 8.0)
+    gravity = Parameter("m/s^2", 9.81)
+    radius = Parameter("m", 0.1)
+    coulomb = Parameter("N", 5.0, base=True)
+    viscous = Parameter("N*s/m", 30.0, base=True)
+    lever_deg = Measured("dial")
+    pressure_kpa = Measured("gauge", of="pressure")
+
+    @staticmethod
+    def equations(state, parameter, drive, rate):
+        driver = transmission(drive.pump_speed)
+        flow = signal(parameter.area * state.speed, "m^3/s", "flow into the cylinder")
+        rate.pressure = store(parameter.area * driver - flow, stiffness=parameter.stiffness)
+        end = line(state.pressure, flow=flow)
+        turn = signal(state.travel / parameter.radius, "rad", "angle of the lever")
+        extra = outside("N")
+        push = parameter.area * end
+        weight = parameter.mass * parameter.gravity
+        rub = contact(state.speed, push=push - weight + extra, coulomb=parameter.coulomb, viscous=parameter.viscous,
+                      dither=drive.shaking)
+        rate.travel = state.speed
+        rate.speed = body(push - weight + extra - rub, parameter.mass, load=extra, position=state.travel, angle=turn)
+        lever = transmission(turn, torque=rub * parameter.radius)
+        dial = sensor(lever)
+        gauge = sensor(state.pressure)
+"""
 AXIS = TEMPLATE.format(title="Axis")
 
 
@@ -79,6 +121,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "plants" / "axis.py").write_text(AXIS)
     (tmp_path / "plants" / "tanks.py").write_text(TANKS)
     (tmp_path / "plants" / "rotor.py").write_text(ROTOR)
+    (tmp_path / "plants" / "press.py").write_text(PRESS)
     (tmp_path / "plants" / "wheel.py").write_text(WHEEL)
     (tmp_path / "plants" / "dry_wheel.py").write_text(DRY_WHEEL)
     (tmp_path / "plants" / "driver.py").write_text(DRIVER)

@@ -50,7 +50,7 @@ class Polarised(Effect):
         """Voltage, V."""
         return ohms * current
 '''
-SAMPLE_PLANT = {"path": "tanks", "store": "tanks", "transmission": "rotor", "partition": "two_pumps"}
+SAMPLE_PLANT = {"path": "tanks", "store": "tanks", "transmission": "rotor", "partition": "two_pumps", "line": "press"}
 
 
 def answer(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:

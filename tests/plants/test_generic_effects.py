@@ -18,13 +18,14 @@ from hjcamp.plants.pump_joint import PumpJoint
 FILES = effect_files([])
 GENERIC = sorted(name for name, effect in FILES.items() if effect.acts_on)
 PLANTS = ("axis", "tanks", "rotor")
+PRESS = ("added_mass", "dither_relief", "flow_inertance", "flow_resistance", "moving_backlash", "transmission_compliance")
 # where alone some have a place, or show: a current that reverses, stores that no path joins, contacts without dry or viscous friction
 ALONE = {
     "internal_leakage": ("two_pumps",),
     "dry_friction": ("wheel",),
     "viscous_friction": ("dry_wheel",),
     "check_valve": ("driver",),
-}
+} | dict.fromkeys(PRESS, ("press",))
 FITS = {
     "axis": "action_lag command_delay constant_force contact_creep coulomb_asymmetry cubic_spring dead_band friction_drift "
     "hard_stop maxwell_element position_friction presliding quadratic_drag saturation sensor_drift sensor_gain sensor_lag "

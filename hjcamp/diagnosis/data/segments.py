@@ -182,7 +182,9 @@ class Layout:
         return {place: logged[:, place] - first[:, place] for place in self._between}
 
     def delayed(self, delays: Mapping[str, float]) -> Array:
-        """Return the inputs (n fine, inputs), each later by its delay (s): of each part of a sample the mean."""
+        """Return the inputs (n fine, inputs), each later by its delay (s), and its rate with it: of each part of a sample the mean."""
+        rates = self.measured.plant.rates_of_inputs().items()
+        delays = {**delays, **{name: delays[source] for name, source in rates if source in delays}}
         late = {self.names.index(name): delay for name, delay in delays.items() if delay != 0.0}
         key = tuple(sorted(late.items()))
         if (found := self._delayed.get(key)) is not None:

@@ -18,6 +18,7 @@ from hjcamp.errors import UsageError
 from hjcamp.model.declare.parameter import finite_number
 from hjcamp.model.declare.plant import ALWAYS, Plant
 from hjcamp.model.language.field_unit import field_of, unit_of_field
+from hjcamp.model.run.inputs_along import with_rates
 from hjcamp.records.find import refuse_mixed_plants
 from hjcamp.records.log import TestLog
 from hjcamp.records.noise import step_of
@@ -149,16 +150,18 @@ def measured_tests(
     twice: tuple[tuple[str, str], ...] = (),
     odd: tuple[str, ...] = (),
     missing: tuple[tuple[str, str], ...] = (),
+    plant: type[Plant] | None = None,
 ) -> Measured:
     """Return the tests of all logs that are long enough; refuse logs of several plants or periods, and one that lacks a reading.
 
-    ``twice``, ``odd`` and ``missing`` are what is known of the logs as a set already, as in `Measured`.
+    ``twice``, ``odd`` and ``missing`` are what is known of the logs as a set already, as in `Measured`; ``plant`` is as what they are
+    taken, that of their metadata unless given.
     """
     if not logs:
         raise UsageError("no tests: give a run folder, a folder of logs, or log files")
     refuse_mixed_plants(logs)
     logs, short = _long_enough(logs)
-    plant = plant_of(logs[0].metadata, str(logs[0].path))
+    plant = plant or plant_of(logs[0].metadata, str(logs[0].path))
     period = logs[0].period
     for log in logs:
         if abs(log.period / period - 1.0) > RATE_TOLERANCE:
@@ -223,7 +226,7 @@ def _test(log: TestLog, plant: type[Plant], sensors: Sequence[Sensor]) -> Measur
         row = int(np.argmin(np.all(np.isfinite(whole), axis=1)))
         raise UsageError(f"{where}: sample {row} (at {columns['time_s'][row]:g} s) is not finite; see hjcamp log verify")
     name = log.path.stem if log.path else log.condition_key
-    given = np.column_stack(inputs)
+    given = with_rates(plant, np.column_stack(inputs), log.period)
     # What a late input does in the first samples was given before the log, which does not say it: a step may be its first sample.
     lead = MOST_DELAY if may_be_late(plant) else 0
     time = columns["time_s"] - columns["time_s"][0]
@@ -242,7 +245,8 @@ def _test(log: TestLog, plant: type[Plant], sensors: Sequence[Sensor]) -> Measur
 def _inputs_of(plant: type[Plant]) -> dict[str, str]:
     """Return the field of each input that a log may hold, in the order of the plant; empty where none can."""
     return {
-        item.name: item.field or ("" if item.name in ALWAYS else field_of(item.name, item.unit, f"plant {plant.name}"))
+        item.name: item.field
+        or ("" if item.name in ALWAYS or item.rate_of else field_of(item.name, item.unit, f"plant {plant.name}"))
         for item in plant.inputs.values()
         if item.name not in ("time", "direction")
     }
@@ -250,7 +254,7 @@ def _inputs_of(plant: type[Plant]) -> dict[str, str]:
 
 def _given(plant: type[Plant], metadata: Mapping[str, str], where: str) -> tuple[tuple[str, float], ...]:
     """Return the parameters of the plant that a test's metadata give, SI."""
-    found = []
+    found = list(plant.told_by(metadata).items())
     for name, item in plant.parameters.items():
         if item.given and item.given in metadata:
             try:

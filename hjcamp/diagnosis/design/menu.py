@@ -127,7 +127,7 @@ def _courses(measured: Measured, place: int, samples: int) -> Iterator[Wanted]:
     fullest = int(np.argmax(test.readings[:, 0]))
     for k, name in enumerate(names):
         low, high = whole[:, k].min(), whole[:, k].max()
-        if high <= low:
+        if high <= low or measured.plant.inputs[name].rate_of:
             continue
         item = measured.plant.inputs[name]
         switched = _switched(measured, k)

@@ -17,6 +17,7 @@ from hjcamp.diagnosis.residuals.initial_states import estimated
 from hjcamp.diagnosis.residuals.windows import Place, Windows
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
+from hjcamp.model.run.inputs_along import with_rates
 
 Array = NDArray[np.float64]
 ORDERS = 6
@@ -121,7 +122,8 @@ def needed(analysis: Analysis, windows: Windows, model: Candidate) -> Array:
     names = [name for name in measured.plant.inputs if name not in ("time", "direction")]
     known = np.concatenate([test.inputs for test in measured.tests])
     low, high = known.min(axis=0), known.max(axis=0)
-    free = [k for k, name in enumerate(names) if high[k] > low[k] and measured.plant.inputs[name].hold == "previous"]
+    held = [name for name, item in measured.plant.given_inputs().items() if item.hold == "previous"]
+    free = [k for k, name in enumerate(names) if high[k] > low[k] and name in held]
     inputs, room = layout.inputs.copy(), ROOM * (high - low)
     shapes = np.tile(layout.basis[:, :ORDERS] * np.sqrt(layout.width), (len(layout.of_test), 1))
     spread = np.std(np.concatenate([test.readings for test in measured.tests]), axis=0)
@@ -161,7 +163,8 @@ def needed(analysis: Analysis, windows: Windows, model: Candidate) -> Array:
 def _test(measured: Measured, wanted: Wanted) -> MeasuredTest:
     time: Array = np.arange(wanted.samples, dtype=np.float64) * measured.period
     log = measured.tests[wanted.of].log
-    return MeasuredTest(wanted.name, wanted.name, time, wanted.inputs, wanted.readings, wanted.given, log)
+    inputs = with_rates(measured.plant, wanted.inputs, measured.period)
+    return MeasuredTest(wanted.name, wanted.name, time, inputs, wanted.readings, wanted.given, log)
 
 
 def _windows(analysis: Analysis, layout: Layout, starts: Array) -> Windows:

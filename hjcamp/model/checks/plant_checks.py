@@ -11,7 +11,7 @@ import numpy as np
 
 from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.model.compile.reaction import with_reactions
-from hjcamp.model.declare.plant import ALWAYS, Plant
+from hjcamp.model.declare.plant import Plant
 from hjcamp.model.declare.statement import Statement
 from hjcamp.model.files.user_file import is_users
 from hjcamp.model.language.amount import dimension
@@ -87,9 +87,11 @@ def check_measured(plant: type[Plant]) -> str:
             ends = [f"_{suffix}" for suffix, unit in FIELD_UNITS.items() if dimension(unit.si) == dims]
             fits = f"; names of such fields end in {' or '.join(ends)}" if ends else ""
             raise UsageError(f"{where}: '{name}' says {field.shown}, but '{item.sensor}' is in {units.written(dims)}{fits}")
-    for name, given in plant.inputs.items():
-        if name in ALWAYS:
-            continue
+    for name, source in plant.rates_of_inputs().items():
+        unit, of = plant.inputs[name].unit, plant.inputs[source].unit
+        if dimension(unit) != dimension(f"({of})/s"):
+            raise UsageError(f"{where}: the input '{name}' is in {unit or '1'}, but the rate of '{source}' is in {of or '1'}/s")
+    for name, given in plant.given_inputs().items():
         field = unit_of_field(given.field or field_of(name, given.unit, where), f"{where}, Input {name}", given.unit)
         if dimension(field.si) != dimension(given.unit):
             raise UsageError(

@@ -57,7 +57,8 @@ class Effect:
     A generic effect ``acts_on`` a kind of place (``hjcamp.model.declare.port.KINDS``) instead: its slots and arguments are the
     names of that kind, the units of its parameters and states products of them ("loss/level"), and their numbers
     multiples of what these usually are. It is bound to each such place of a plant; where it is declared ``together``,
-    to all places of a group at once. ``only_in`` gives the units that a name of the place must have one of.
+    to all places of a group at once, with a parameter for ``each`` of them where it names that.
+    ``only_in`` gives the units that a name of the place must have one of.
 
     ``instead`` maps a name that not every such place offers to the own state that stands for it there; where the place has it, the
     state is left out.
@@ -72,6 +73,8 @@ class Effect:
     subsystem: ClassVar[str] = ""
     acts_on: ClassVar[str] = ""
     together: ClassVar[bool] = False
+    # Parameters of which each place of a group has its own.
+    each: ClassVar[tuple[str, ...]] = ()
     only_in: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     plant: ClassVar[str] = ""
     name: ClassVar[str] = ""
@@ -85,6 +88,8 @@ class Effect:
     brings: ClassVar[str] = ""
     # A slot that it works on: it is bound where the plant has something in it, or a base parameter would put it there.
     works_on: ClassVar[str] = ""
+    # A slot to which it adds a constant: it is bound where no base parameter is in that, which would take its place.
+    without_base: ClassVar[str] = ""
     # A slot that it changes last: to its methods that is what all others make of it. It is looked for where one of them bends it.
     behind: ClassVar[str] = ""
     # Own states that stand for names of the place which not every one has.
@@ -112,6 +117,9 @@ class Effect:
             )
         cls.parameters = declared(cls, Parameter)
         cls.states = declared(cls, State)
+        for name in cls.each:
+            if name not in cls.parameters:
+                raise unknown("parameter", name, cls.parameters, f"{where}, each")
         if "terms" in vars(cls):
             return
         cls.terms, cls.rates, cls.updates, cls.starts = {}, {}, {}, {}

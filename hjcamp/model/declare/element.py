@@ -54,7 +54,7 @@ CONTACT = Element(
     "contact",
     ("velocity",),
     ("push", "coulomb", "viscous", "static"),
-    ("travel", "load", "mass"),
+    ("travel", "load", "mass", "dither"),
     (
         Line("_push", "signal", "{push}", "push", "force before friction"),
         Line("_forward", "signal", "1.0 if {direction} > 0.0 or ({direction} == 0.0 and {name}_push > 0.0) else 0.0", "1",
@@ -75,7 +75,7 @@ BODY = Element(
     "body",
     ("force", "mass"),
     ("load",),
-    ("position",),
+    ("position", "angle"),
     (
         Line("_force", "signal", "{force}", "force", "force on the mass"),
         Line("_mass", "slot", "{mass}", "mass", "moving mass"),
@@ -136,6 +136,18 @@ PATH = Element(
     (Line("_free", "signal", "{flow}", "flow", "flow by the published law"), Line("", "slot", "{name}_free", "flow", "flow")),
     {"flow": "{name}"},
 )
+LINE = Element(
+    "line",
+    ("level", "flow"),
+    (),
+    (),
+    (
+        Line("_near", "signal", "{level}", "level", "level at its near end"),
+        Line("_flow", "signal", "{flow}", "flow", "flow towards its far end"),
+        Line("", "slot", "{name}_near", "level", "level at its far end"),
+    ),
+    {"far": "{name}", "level": "{name}_near", "flow": "{name}_flow"},
+)
 ACTUATOR = Element(
     "actuator",
     ("command",),
@@ -169,7 +181,7 @@ SENSOR = Element(
     ),
     {"reading": "{name}", "true": "{name}_true"},
 )
-ELEMENTS = {one.name: one for one in (CONTACT, BODY, STORE, PATH, ACTUATOR, TRANSMISSION, SENSOR)}
+ELEMENTS = {one.name: one for one in (CONTACT, BODY, STORE, PATH, LINE, ACTUATOR, TRANSMISSION, SENSOR)}
 assert all(set(one.offers) | set(one.reads) <= set(KINDS[one.name].names) for one in ELEMENTS.values())
 
 

@@ -50,6 +50,7 @@ def contact(
     travel: float | None = None,
     load: float | None = None,
     mass: float | None = None,
+    dither: float | None = None,
     name: str = "",
     group: str = "",
     subsystem: str = "",
@@ -60,21 +61,24 @@ def contact(
     the other contacts hold or rub.
     A pair is the value of the positive and of the negative direction; without ``static`` the static friction is the
     Coulomb friction. ``travel`` and ``load`` are what effects may let friction depend on, ``mass`` is what it brakes: where
-    it is not given, the parameter over which the rate of the velocity is. What brakes a body is a contact also where no friction
+    it is not given, the parameter over which the rate of the velocity is. Where no load is given and several forces act on what has
+    this velocity, the load is what passes through it from one to the other (`hjcamp.model.language.completion.loads_in`). ``dither``
+    is what shakes it. What brakes a body is a contact also where no friction
     is known, ``contact(velocity)``: effects of friction are looked for in contacts alone.
     """
     return math.copysign(1.0, velocity) * (coulomb[0] if isinstance(coulomb, tuple) else coulomb)
 
 
 def body(
-    force: float, mass: float, load: float = 0.0, position: float | None = None,
+    force: float, mass: float, load: float = 0.0, position: float | None = None, angle: float | None = None,
     name: str = "", group: str = "", subsystem: str = "",
 ) -> float:  # fmt: skip
     """Return the rate of a velocity: the whole ``force`` over the ``mass``; effects add to the slot ``load`` and to the mass.
 
     Without a ``load`` it has one of its own, where no contact is given its push (which would have to have that in it);
     ``load=0.0``: nothing pushes it from outside. ``position`` is where it stands, the state whose rate is its velocity alone: give it
-    though nothing measures it, since springs, weights and an unbalance are looked for over it.
+    though nothing measures it, since springs, weights and an unbalance are looked for over it. ``angle`` is how far it is turned,
+    or what it turns, where its position is no angle.
     """
     return force / mass
 
@@ -105,6 +109,11 @@ def path(
     a state. In a line without a mark only a base parameter may be found to vary.
     """
     return flow
+
+
+def line(level: float, flow: float, name: str = "", group: str = "", subsystem: str = "") -> float:
+    """Return the level of a store where it acts, at the far end of what leads there; effects let the ``flow`` to there cost some."""
+    return level
 
 
 def actuator(command: float, supply: float | None = None, name: str = "", group: str = "", subsystem: str = "") -> float:

@@ -130,7 +130,8 @@ class Input:
 
     ``field`` is what the logs call it (by default its name and SI unit, such as ``voltage_v``), ``plausible`` what a sound
     log stays within; between samples it holds its "previous" value or runs "linear"-ly to the next. An input whose size is far
-    from 1 says so by ``typical``. A log may lack one that is not ``required``: it then has its default.
+    from 1 says so by ``typical``. A log may lack one that is not ``required``: it then has its default. One that is the ``rate_of``
+    another, a position that runs "linear"-ly, stands in no log: it is how fast that one goes on to its next sample.
     """
 
     unit: str
@@ -141,12 +142,15 @@ class Input:
     field: str = ""
     plausible: tuple[float, float] = (float("-inf"), float("inf"))
     required: bool = True
+    rate_of: str = ""
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
         object.__setattr__(self, "name", name)
         where = f"{owner.__name__}.{name}"
         _check_size(self.typical, f"{where}: typical")
+        if self.rate_of and (self.field or self.hold != "previous"):
+            raise UsageError(f"{where}: the rate of an input has neither a field nor a hold of its own; leave them out")
         if finite_number(self.default) is None:
             raise UsageError(f"{where}: default is {shown(self.default)}; a finite number is needed")
         if self.hold not in HOLDS:

@@ -112,6 +112,10 @@ class Plant:
         )
         cls.states, cls.parameters, cls.inputs, cls.measured, cls.ports = found
         cls.inputs = {**cls.inputs, **{name: item for name, item in ALWAYS.items() if name not in cls.inputs}}
+        for name, item in cls.inputs.items():
+            sources = [other for other, one in cls.inputs.items() if one.hold == "linear"]
+            if item.rate_of and item.rate_of not in sources:
+                raise unknown("input that runs on (hold='linear')", item.rate_of, sources, f"{cls.__name__}.{name}, rate_of")
         for name in (*cls.states, *cls.parameters, *cls.inputs, *cls.measured):
             if hasattr(Plant, name):
                 raise UsageError(f"{cls.__name__}: '{name}' is a name that every plant has for itself; call this one otherwise")
@@ -149,6 +153,11 @@ class Plant:
         return {}
 
     @classmethod
+    def told_by(cls, metadata: Mapping[str, str]) -> dict[str, float]:
+        """Return the parameters, SI, that a log's metadata tell in words of the plant's own: the choices of its hardware."""
+        return {}
+
+    @classmethod
     def blocked(cls, config: Mapping[str, Any]) -> bool:
         """Return whether a configuration of its ``settings`` holds fast what is ``geared``; most plants cannot."""
         return False
@@ -173,8 +182,13 @@ class Plant:
 
     @classmethod
     def given_inputs(cls) -> dict[str, Input]:
-        """Return the inputs that the plant declares itself: what every plant has is not in its logs."""
-        return {name: item for name, item in cls.inputs.items() if name not in ALWAYS}
+        """Return the inputs that the plant declares itself: what every plant has is not in its logs, nor is the rate of an input."""
+        return {name: item for name, item in cls.inputs.items() if name not in ALWAYS and not item.rate_of}
+
+    @classmethod
+    def rates_of_inputs(cls) -> dict[str, str]:
+        """Return for each input that is the rate of another one that other one."""
+        return {name: item.rate_of for name, item in cls.inputs.items() if item.rate_of}
 
     @classmethod
     def sampled_inputs(cls) -> tuple[str, ...]:

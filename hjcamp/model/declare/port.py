@@ -39,14 +39,14 @@ KINDS: dict[str, Kind] = {
             "contact",
             "dry friction between two bodies",
             ("static", "coulomb", "viscous", "locks", "friction"),
-            ("velocity", "speed", "push", "direction", "travel", "load", "mass", "breakaway"),
+            ("velocity", "speed", "push", "direction", "travel", "load", "mass", "breakaway", "dither"),
             {"speed": "velocity"},
         ),
         Kind(
             "body",
             "a mass that forces move",
             ("force", "mass"),
-            ("position", "velocity", "acceleration", "push"),
+            ("position", "angle", "velocity", "acceleration", "push"),
             {"force": "push"},
         ),
         Kind(
@@ -58,6 +58,8 @@ KINDS: dict[str, Kind] = {
         ),
         # the head is the level upstream, less that downstream where one is given
         Kind("path", "what a flow passes", ("flow",), ("upstream", "downstream", "head")),
+        # the flow is that towards the far end
+        Kind("line", "what carries the level of a store to where it acts", ("far",), ("level", "flow")),
         Kind(
             "partition",
             "what parts two stores of one quantity that no path joins: a piston, a wall",

@@ -57,6 +57,10 @@ def bind(effect: type[Effect], plant: type[Plant]) -> tuple[type[Effect], ...]:
         able = [port for port in able if not is_nothing(plant, port.names[effect.works_on])]
         if not able:
             raise Unfit(f"{where}: plant {plant.name} has no {effect.works_on} in any such place")
+    if effect.without_base:
+        able = [port for port in able if not _base_in(plant, port.names[effect.without_base])]
+        if not able:
+            raise Unfit(f"{where}: a base parameter of plant {plant.name} is the {effect.without_base} in each such place")
     problems: list[UsageError] = []
     groups: dict[str, list[Port]] = {}
     for port in able:
@@ -131,6 +135,12 @@ def _lacking(port: Port, lacks: set[str]) -> str:
     return said
 
 
+def _base_in(plant: type[Plant], slot: str) -> set[str]:
+    """Return the base parameters that stand in the line of a slot."""
+    line = next((one.expression for one in read_vocabulary(plant).statements if one.target == slot), f"p_{slot}")
+    return {name for name in plant.base_parameters if re.search(rf"\bp_{name}\b", line)}
+
+
 def _check_place(effect: type[Effect], plant: type[Plant], port: Port) -> None:
     """Refuse a place with a unit that does not fit, or a name that is computed too late."""
     units = units_of(plant)
@@ -165,8 +175,8 @@ def _bound(
     terms = {slot: term for slot, term in effect.terms.items() if slot not in without}
     unread = {one for slot in without for one in effect.terms[slot].arguments} - _read_by(effect, terms)
     for port in ports:
-        called = {own: own for own in effect.parameters}
-        called |= {own: f"{own}_{port.name}" if len(ports) > 1 else own for own in effect.states}
+        several = (*effect.states, *effect.each) if len(ports) > 1 else ()
+        called = {own: f"{own}_{port.name}" if own in several else own for own in (*effect.parameters, *effect.states)}
         if instance:
             called |= {own: new for own, new in instance.at[port.name].items() if own in called}
         if effect.granted:

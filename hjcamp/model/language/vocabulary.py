@@ -20,7 +20,8 @@ from hjcamp.model.declare.plant import Plant
 from hjcamp.model.declare.port import Port
 from hjcamp.model.declare.statement import Statement
 from hjcamp.model.files.cached import cached
-from hjcamp.model.language.completion import completed, driven_in, has_push, masses_in, positions_in, velocity_of
+from hjcamp.model.language.amount import dimension
+from hjcamp.model.language.completion import completed, driven_in, has_push, loads_in, masses_in, positions_in, velocity_of
 from hjcamp.model.language.equation_units import Units
 from hjcamp.model.language.short_names import written_out
 
@@ -113,6 +114,7 @@ def read_vocabulary(plant: type[Plant]) -> Vocabulary:
         node.func.id for node in ast.walk(function) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
     }
     reader.masses, reader.driven, reader.positions = masses_in(function), driven_in(function), positions_in(function)
+    reader.loads = loads_in(function)
     reader.given_push = bool(plant.ports) or any(has_push(node) for node in ast.walk(function) if called(node) == CONTACT.name)
     for node in function.body:
         reader.read(node)
@@ -205,6 +207,7 @@ class _Reader:
         self.masses: dict[str, str] = {}
         self.driven: dict[str, str] = {}
         self.positions: dict[str, str] = {}
+        self.loads: dict[str, str] = {}
         self.given_push = True
         self.called: set[str] = set()
         states, inputs = list(plant.states), list(plant.inputs)
@@ -241,6 +244,7 @@ class _Reader:
         if called(call) == CONTACT.name:
             call = completed(call, "mass", self.masses.get(velocity_of(call)))
             call = completed(call, "travel", self.positions.get(velocity_of(call)))
+            call = completed(call, "load", self.loads.get(velocity_of(call)))
         elif called(call) == BODY.name:
             call = completed(call, "position", self.positions.get(f"state.{name}"))
         elif called(call) == TRANSMISSION.name:
@@ -248,6 +252,9 @@ class _Reader:
         plain = {one.target for one in self.statements if one.mark == "plain"}
         place = expand(call, name, name if of_rate else "", self.several, where, plain, self.given_push)
         port = place.port
+        if port.kind == BODY.name and "position" in port.names and "angle" not in port.names:
+            turns = dimension(self._unit_of("position", place.given, where)) == dimension("rad")
+            port = port.but({"angle": port.names["position"]} if turns else {})
         if port.name in self.ports:
             raise UsageError(f"{where}: two places are called '{port.name}'; give one of them name='...'")
         self.ports[port.name] = port

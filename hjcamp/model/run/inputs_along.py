@@ -1,4 +1,4 @@
-"""A plant's inputs over a test, in its order."""
+"""A plant's inputs over a test, in its order, and the rates of those that have one."""
 
 from __future__ import annotations
 
@@ -23,3 +23,17 @@ def inputs_along(plant: type[Plant], samples: int, **columns: Array | float) -> 
     return np.column_stack(
         [np.broadcast_to(columns.get(name, plant.inputs[name].default), samples) for name in names] or [np.empty((samples, 0))]
     ).astype(float)
+
+
+def with_rates(plant: type[Plant], inputs: Array, period: float) -> Array:
+    """Return a plant's inputs (samples, inputs) with those that are the rate of another one as that one goes on, ``period`` s a sample.
+
+    What runs linearly from each sample to the next has this rate between them; behind the last one it stands.
+    """
+    if not plant.rates_of_inputs():
+        return inputs
+    names, found = plant.sampled_inputs(), inputs.copy()
+    for name, source in plant.rates_of_inputs().items():
+        course = inputs[:, names.index(source)]
+        found[:, names.index(name)] = np.diff(course, append=course[-1:]) / period
+    return found

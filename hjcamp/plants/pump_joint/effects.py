@@ -21,6 +21,24 @@ class CrossLeakage(Instance):
     conductance = Parameter("m^3/(s*Pa)", 2e-15, (0.0, 1e-11), text="flow for each pascal of difference", off=0.0)
 
 
+class DitherRelief(Instance):
+    r"""Dither keeps the seals trembling, so they break away earlier and slide more easily.
+
+    .. math:: F_s \leftarrow F_s\,\max(1 - r_s |u_d|,\ 0.05), \quad F_c \leftarrow \min(F_c\,\max(1 - r_c |u_d|,\ 0.05),\ F_s)
+
+    with u_d the dither voltage of the sample; a square wave, so that its size is constant.
+    Seen as: less friction in tests with dither than in tests without, most of all at breakaway.
+    Not for: tests that all have the same dither (static and Coulomb friction take it up), or logs without dither_v.
+    Source: Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), 1083-1138,
+    doi:10.1016/0005-1098(94)90209-7 (dither); thesis 5.2.
+    """
+
+    of = "dither_relief"
+    at = {"seal": {}}  # noqa: RUF012
+    static_relief = Parameter("1/V", 0.2, (0.0, 0.8), text="share of static friction taken away by each volt", off=0.0)
+    coulomb_relief = Parameter("1/V", 0.1, (0.0, 0.8), text="share of Coulomb friction taken away by each volt", off=0.0)
+
+
 class EncoderBias(Instance):
     r"""The arm encoder was set to zero at a wrong angle.
 
@@ -241,6 +259,7 @@ class StribeckFriction(Instance):
 
 INSTANCES: tuple[type[Instance], ...] = (
     CrossLeakage,
+    DitherRelief,
     EncoderBias,
     EncoderEccentricity,
     EncoderLag,
@@ -255,6 +274,8 @@ INSTANCES: tuple[type[Instance], ...] = (
 
 # What else is generic, and why the joint has no need of it.
 COVERS = {
+    "added_mass": "payload_inertia, in the payload's own mass and radius",
+    "moving_backlash": "pump_backlash, which knows which flank the pressures press on",
     "dead_band": "its own position loop moves the pump, and the pump's encoder shows what it does",
     "saturation": "pump_speed_limit and pump_acceleration_limit limit the pump",
     "command_delay": "pump_delay holds it",
@@ -279,6 +300,9 @@ COVERS = {
     "check_valve": "no flow crosses between the lines but cross_leakage, a gap that has no direction",
     "flow_exponent": "no flow crosses between the lines but cross_leakage, which is laminar",
     "internal_leakage": "cross_leakage, from one line to the other",
+    "transmission_compliance": "string_elasticity, in which the arm swings",
+    "flow_resistance": "line_resistance, which knows on which side of it the line gives way",
+    "flow_inertance": "line_inertance, which knows on which side of it the line gives way",
     "backlash": "pump_backlash, which knows which flank the pressures press on",
     "pendulum_weight": "gravity_load, in the payload's own mass and radius",
     "sensor_gain": "pressure_gain, of both sensors at once; the encoders count, and their scale is exact",

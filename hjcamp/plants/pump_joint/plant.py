@@ -103,7 +103,7 @@ class PumpJoint(Plant):
     seal = Port(
         "contact", subsystem="joint", velocity="slider_velocity", speed="speed", push="push", direction="direction",
         travel="slider_position", mass="moving_mass", static="friction_static", breakaway="friction_static",
-        coulomb="friction_coulomb", viscous="friction_viscous", locks="friction_locks", friction="friction",
+        coulomb="friction_coulomb", viscous="friction_viscous", locks="friction_locks", friction="friction", dither="dither",
     )  # fmt: skip
     sliders = Port(
         "body", subsystem="joint", like={"force": "friction"}, position="slider_position", velocity="slider_velocity",
