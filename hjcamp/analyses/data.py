@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from hjcamp.errors import counted
 
@@ -26,16 +26,17 @@ def silent(text: str, share: float) -> None:
 class Data:
     """The tests at some paths: run folders, folders of logs, log files. The first log is looked at now, all when needed.
 
+    With ``common`` a plant that has a diagnosis of its own is taken as that of any plant takes it (its room ``common``).
     Raises ``UsageError`` where there is no log; a property raises it for logs that the analysis cannot read.
     """
 
-    def __init__(self, paths: Sequence[str | Path]) -> None:
+    def __init__(self, paths: Sequence[str | Path], common: bool = False) -> None:
         from hjcamp.known_plants import DEFAULT
         from hjcamp.records.find import find_logs
         from hjcamp.records.of_plant import PLANT_KEY
         from hjcamp.records.read import read_metadata
 
-        self.paths = [Path(path) for path in paths]
+        self.paths, self.common = [Path(path) for path in paths], common
         self.plant_name = read_metadata(find_logs(self.paths)[0]).get(PLANT_KEY) or DEFAULT
 
     @cached_property
@@ -50,7 +51,9 @@ class Data:
         """The plant of these tests."""
         from hjcamp.known_plants import plant_called
 
-        return plant_called(self.plant_name, str(self.paths[0]))
+        found = plant_called(self.plant_name, str(self.paths[0]))
+        room = found.room_of("common") if self.common else None
+        return found if room is None else cast("type[Plant]", room.PLANT)
 
     @cached_property
     def measured(self) -> Measured:
@@ -60,7 +63,7 @@ class Data:
 
         check_users_plant(self.plant)
         sound = sound_logs(self.logs)
-        found = measured_tests(sound.logs, sound.copies, sound.odd, sound.missing)
+        found = measured_tests(sound.logs, sound.copies, sound.odd, sound.missing, self.plant)
         print(sound.doubtful, end="", file=sys.stderr)
         if note := other_period(self.plant, found.period):
             print(note, file=sys.stderr)

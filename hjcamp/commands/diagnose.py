@@ -10,7 +10,9 @@ import typer
 from hjcamp.analyses.data import Data
 from hjcamp.analyses.diagnosing import Asked, check_workers
 from hjcamp.commands.shared.session import AnswerFile
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, unknown
+
+METHODS = ("own", "common")
 
 
 def register(app: typer.Typer) -> None:
@@ -40,6 +42,10 @@ def diagnose(
     ask: Annotated[
         str | None, typer.Option(help="Effects that get a row whatever they explain, with commas; your own always do.")
     ] = None,
+    method: Annotated[
+        str,
+        typer.Option(help="own or common: by the diagnosis of the plant's own, where it has one, or by that of any plant."),
+    ] = "own",
     shadow: Annotated[
         bool,
         typer.Option("--shadow", hidden=True, help="Decide by nested choice and a confidence set as well (decision_shadow)."),
@@ -50,6 +56,8 @@ def diagnose(
     from hjcamp.commands.shared.session import check_answer_file, folder_for, no_logs
     from hjcamp.known_plants import usual_plant
 
+    if method not in METHODS:
+        raise unknown("method", method, METHODS, "--method")
     check_workers(workers)
     if tables is not None:
         if model != "published":
@@ -64,6 +72,6 @@ def diagnose(
     check_answer_file(json)
     asked = Asked(model, effort, seed, only, without, workers, cluster, ask, shadow)
     asked.check()
-    data = Data(paths)
+    data = Data(paths, common=method == "common")
     folder_for("diagnose", data.paths, json)  # a link in its place is refused before anything is computed
-    (data.plant.room_of("diagnose") or calls).diagnose(data, asked, json)
+    (calls if data.common else data.plant.room_of("diagnose") or calls).diagnose(data, asked, json)

@@ -32,6 +32,9 @@ def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
         words = Words(done.analysis, done.verdict, done.content)
         folder = folder_for("diagnose", data.paths, json)
         following = words.next_commands(joined(data.paths), asked.model, joined([folder]))
+        if data.common and data.plant.name != data.plant_name:
+            # its names are those of no model that the other commands read
+            following = [f"hjcamp diagnose {joined(data.paths)}   # by the diagnosis of plant {data.plant_name} itself"]
         files = write_diagnosis(words, folder, following)
         keep_answer(folder, done.content)
     print_diagnosis(console, words)

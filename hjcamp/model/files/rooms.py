@@ -16,6 +16,8 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "add": ("add",),
     "calibrate": ("calibrate",),
     "next": ("propose",),
+    # the plant in elements and inputs alone, as the common diagnosis takes it
+    "common": ("PLANT",),
     "python": (
         "OVER_FLOOR", "compared", "comparison_sentences", "comparison_drawn", "comparison_page", "diagnosed", "diagnosis_sentences",
         "diagnosis_drawn", "diagnosis_page", "added", "calibrated",

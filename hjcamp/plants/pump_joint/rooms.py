@@ -9,6 +9,7 @@ ROOMS = {
     "add": f"{HERE}.answers.add",
     "calibrate": f"{HERE}.answers.calibrate",
     "next": f"{HERE}.answers.propose",
+    "common": f"{HERE}.common",
     "python": f"{HERE}.answers.python",
     "tables": f"{HERE}.answers.tables",
     "effects": f"{HERE}.answers.effects",

@@ -56,7 +56,12 @@ def _pump_filter(gain: float, a2: float, a1: float, a0: float) -> tuple[Array, A
 
 def hardware_of(log: TestLog) -> Hardware:
     """Return the hardware that the log's metadata name; a choice that is absent is that of the reference setup."""
-    names = tuple((group, log.metadata[group]) for group in (*PumpJoint.rig, *PumpJoint.setups) if log.metadata.get(group))
+    return hardware_told(log.metadata)
+
+
+def hardware_told(metadata: Mapping[str, str]) -> Hardware:
+    """Return the hardware that metadata name, as `hardware_of` does."""
+    names = tuple((group, metadata[group]) for group in (*PumpJoint.rig, *PumpJoint.setups) if metadata.get(group))
     return _hardware(names)
 
 

@@ -1,0 +1,56 @@
+"""The pump joint in the common dialect: the rates of its own equations, its logs, and a diagnosis by the common method."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from hjcamp.model.checks.plant_checks import CHECKS, check_pushes, evaluate
+from hjcamp.model.language.vocabulary import read_vocabulary
+from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.plants.pump_joint.common import CommonJoint
+
+SHARED = ("pressure1", "pressure2", "slider_position", "slider_velocity")
+READ = {"arm_reading": "encoder", "pressure1_reading": "gauge1", "pressure2_reading": "gauge2"}
+
+
+def place(seed: int, side: float) -> dict[str, float]:
+    """Return states, inputs and parameters of both plants, at random; a pressure may be where water parts."""
+    draw = np.random.default_rng([seed, int(side) + 1])
+    found = {f"s_{name}": state.typical * draw.normal() for name, state in PumpJoint.states.items()}
+    found |= {f"s_pressure{k}": draw.choice((draw.uniform(0.0, 0.7e6), draw.uniform(-0.3e6, -0.05e6))) for k in (1, 2)}
+    found["s_slider_velocity"] = side * abs(found["s_slider_velocity"])
+    for name, item in PumpJoint.parameters.items():
+        found[f"p_{name}"] = item.default * draw.uniform(0.5, 2.0) if math.isfinite(item.default) else item.default
+    found |= {"p_stiffness_asymmetry": draw.uniform(-0.3, 0.3), "p_arm_share": 0.3}
+    limit = found["p_pump_speed_limit"]
+    found["s_pump_velocity"] = draw.uniform(-limit, limit)
+    found |= {"u_command": draw.normal(), "u_dither": draw.normal(), "u_preload_flow": 0.0, "u_time": draw.uniform(0.0, 9.0)}
+    found |= {"u_friction_scatter": draw.uniform(0.9, 1.1), "u_direction": side}
+    found |= {"u_pump": found["s_pump_position"] / found["p_pump_lead"]}
+    found |= {"u_pump_speed": found["s_pump_velocity"] / found["p_pump_lead"]}
+    return found
+
+
+def test_it_is_a_sound_plant() -> None:
+    for check in CHECKS.values():
+        check(CommonJoint)
+    check_pushes(CommonJoint)
+
+
+@pytest.mark.parametrize("side", [-1.0, 0.0, 1.0])
+def test_its_rates_and_readings_are_those_of_the_joint(side: float) -> None:
+    own, common = (read_vocabulary(plant).statements for plant in (PumpJoint, CommonJoint))
+    for seed in range(100):
+        here = place(seed, side)
+        first, second = evaluate(PumpJoint, own, dict(here)), evaluate(CommonJoint, common, dict(here))
+        for name in SHARED:
+            # a rate is a difference of what may be far larger than itself
+            size = first["p_line_stiffness"] * first["p_pump_area"] * 0.06 if name.startswith("pressure") else 1.0
+            assert second[f"d_{name}"] == pytest.approx(first[f"d_{name}"], rel=1e-12, abs=1e-13 * size), (seed, name)
+        for reading, sensor in READ.items():
+            assert second[sensor] == pytest.approx(first[reading], rel=1e-14)
+        for one, other in (("push", "friction_push"), ("friction_static", "friction_static"), ("friction", "friction")):
+            assert second[other] == pytest.approx(first[one], rel=1e-12, abs=1e-11), (seed, one)
