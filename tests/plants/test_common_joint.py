@@ -7,10 +7,14 @@ import math
 import numpy as np
 import pytest
 
+from hjcamp import cli
+from hjcamp.diagnosis.data.tests import measured_tests
+from hjcamp.errors import UsageError
 from hjcamp.model.checks.plant_checks import CHECKS, check_pushes, evaluate
 from hjcamp.model.language.vocabulary import read_vocabulary
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.common import CommonJoint
+from hjcamp.records.log import TestLog
 
 SHARED = ("pressure1", "pressure2", "slider_position", "slider_velocity")
 READ = {"arm_reading": "encoder", "pressure1_reading": "gauge1", "pressure2_reading": "gauge2"}
@@ -54,3 +58,39 @@ def test_its_rates_and_readings_are_those_of_the_joint(side: float) -> None:
             assert second[sensor] == pytest.approx(first[reading], rel=1e-14)
         for one, other in (("push", "friction_push"), ("friction_static", "friction_static"), ("friction", "friction")):
             assert second[other] == pytest.approx(first[one], rel=1e-12, abs=1e-11), (seed, one)
+
+
+def log(**metadata: str) -> TestLog:
+    """Return a log of the joint whose pump turns at 2 rev/s, at 1 kHz."""
+    time = np.arange(100) * 1e-3
+    columns = {"time_s": time, "pump_deg": 720.0 * time, "arm_deg": 10.0 * time}
+    return TestLog(columns | {f"pressure{k}_mpa": np.full(100, 0.1 * k) for k in (1, 2)}, metadata)
+
+
+def test_logs_of_the_joint_are_read_as_its_own_with_the_rate_of_the_pump() -> None:
+    found = measured_tests([log()], plant=CommonJoint)
+    test, names = found.tests[0], CommonJoint.sampled_inputs()
+    assert [one.field for one in found.sensors] == ["arm_deg", "pressure1_mpa", "pressure2_mpa"]
+    assert test.readings[-1] == pytest.approx([math.radians(10.0 * test.log.columns["time_s"][-1]), 0.1e6, 0.2e6])
+    assert test.inputs[:-1, names.index("pump_speed")] == pytest.approx(4.0 * math.pi)
+    assert not test.inputs[:, names.index("dither")].any()
+    with pytest.raises(UsageError, match="field 'pump_deg' is missing, the input 'pump'"):
+        measured_tests([TestLog({name: x for name, x in log().columns.items() if name != "pump_deg"})], plant=CommonJoint)
+
+
+def test_the_hardware_of_a_log_is_known_but_for_what_is_calibrated() -> None:
+    plain, other = (dict(measured_tests([one], plant=CommonJoint).tests[0].given) for one in (
+        log(), log(pump="pump1", amplifier="low_gain", tubing="hdpe_300mm", payload="brass_8p5g")
+    ))  # fmt: skip
+    published = {name: item.default for name, item in CommonJoint.parameters.items()}
+    assert plain == pytest.approx({name: published[name] for name in plain}) and not set(plain) & set(
+        CommonJoint.base_parameters
+    )
+    assert other["pump_area"] == pytest.approx(math.pi / 4 * 4.0e-3**2)
+    # 8.5 g at 20 mm on a pulley of 3.41 mm: 292 g at the sliders (5.5.1)
+    assert other["moving_mass"] - plain["moving_mass"] == pytest.approx(8.5e-3 * (20.0 / 3.41) ** 2)
+
+
+def test_an_unknown_method_is_refused_before_anything_is_read(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["diagnose", "nowhere", "--method", "comon"]) == 2
+    assert "did you mean 'common'" in capsys.readouterr().err
