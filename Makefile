@@ -126,9 +126,9 @@ any_plant: $(WARM)
 foreign_machines: $(WARM)
 	$(BIN)/python -m benchmarks.foreign_machines --seeds 1001 1002 1003 --page docs/foreign_machines.md
 
-# BASE=COMMIT: that commit and this code diagnose the same logs on this machine, and no bit may differ
+# BASE=COMMIT: that commit and this code (or NOW=COMMIT) diagnose the same logs on this machine, and no bit may differ
 unmoved: $(WARM)
-	$(BIN)/python -m benchmarks.unmoved $(if $(BASE),--base $(BASE))
+	$(BIN)/python -m benchmarks.unmoved $(if $(BASE),--base $(BASE)) $(if $(NOW),--now $(NOW))
 
 unmoved-long: $(WARM)
 	$(BIN)/python -m benchmarks.unmoved --long --base $(or $(BASE),HEAD~1)
