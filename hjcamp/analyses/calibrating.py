@@ -26,7 +26,7 @@ def fit_plant(data: Data, name: str, report: Report = silent) -> Fitted:
     """Fit the base parameters of any plant to these tests and save them as ``conf/model/NAME.yaml``."""
     from hjcamp.configuration.saved_model import check_new_name, log_hashes, write_model
     from hjcamp.diagnosis.calibration.analysis import calibrated
-    from hjcamp.diagnosis.results.answer import calibration
+    from hjcamp.diagnosis.results.calibration_rows import calibration
     from hjcamp.diagnosis.results.model_file import savable
 
     path = check_new_name(name)

@@ -79,7 +79,8 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     from hjcamp.diagnosis.choice.page import ALPHA, DELTA, Page
     from hjcamp.diagnosis.data.repeatability import not_above
     from hjcamp.diagnosis.decision.verdict import agreed
-    from hjcamp.diagnosis.results.answer import answer, asked_candidates
+    from hjcamp.diagnosis.results.answer import answer
+    from hjcamp.diagnosis.results.candidate_rows import asked_candidates
     from hjcamp.workers.pool import available
 
     began = time.perf_counter()

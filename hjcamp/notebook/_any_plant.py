@@ -34,7 +34,8 @@ def compared(data: Data, names: Sequence[str], report: Report) -> tuple[Any, dic
 
 def comparison_sentences(found: Any) -> list[str]:
     """Return where the error of the last model is, in words."""
-    from hjcamp.commands.any_plant.words import floor_note, notes_on
+    from hjcamp.commands.any_plant.comparison_words import notes_on
+    from hjcamp.commands.any_plant.words import floor_note
 
     return [floor_note(found.analysis), *notes_on(found)]
 

@@ -52,9 +52,9 @@ def compare(data: Data, names: list[str], json: Path | None, into: Path | None, 
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.analyses.comparing import compare_plant
+        from hjcamp.commands.any_plant.comparison_words import print_comparison
         from hjcamp.commands.any_plant.explorer import modelled_tests
         from hjcamp.commands.any_plant.pages import write_comparison
-        from hjcamp.commands.any_plant.words import print_comparison
         from hjcamp.diagnosis.results.comparison import answer
         from hjcamp.records.views.model_log import write_modelled
 
@@ -113,7 +113,7 @@ def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool,
         from hjcamp.analyses.calibrating import fit_plant
         from hjcamp.analyses.untold import untold
         from hjcamp.commands.any_plant.words import end_words, print_calibration, still_words
-        from hjcamp.diagnosis.results.answer import end_rows, still_rows
+        from hjcamp.diagnosis.results.channel_rows import end_rows, still_rows
 
         done = fit_plant(data, name, report)
         measured = done.analysis.measured

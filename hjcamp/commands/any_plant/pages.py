@@ -97,6 +97,7 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
 def write_comparison(found: PlantComparison, folder: Path, following: Sequence[str] = ()) -> list[Path]:
     """Write the pictures and the page of a comparison, with the commands that go on; return their paths, the page last."""
     from hjcamp.commands.any_plant import words as said
+    from hjcamp.commands.any_plant.comparison_words import comparison_table, notes_on, whole_table
     from hjcamp.commands.any_plant.explorer import exploration_of
     from hjcamp.commands.any_plant.head_words import over_windows
     from hjcamp.commands.shared.page_end import made_from, next_steps
@@ -123,15 +124,15 @@ def write_comparison(found: PlantComparison, folder: Path, following: Sequence[s
         *_stretch(analysis, errors, errors[found.calibrated.name]),
         observed=observed(test.log for test in layout.measured.tests),
     )
-    head, rows = said.comparison_table(found)
+    head, rows = comparison_table(found)
     last = found.models[-1]
-    whole = said.whole_table(found)
+    whole = whole_table(found)
     of_whole = [page.heading("Whole tests"), page.table_of(*whole), page.note(said.WHOLE_NOTE)] if whole else []
     again = "with each test" if layout.memory else f"again every {plain(layout.width * layout.measured.period)} s"
     parts = [
         page.table_of(head, rows),
         page.note(f"Error {over_windows(analysis)}. {said.floor_note(analysis)}"),
-        page.bullets(said.notes_on(found)),
+        page.bullets(notes_on(found)),
         next_steps(following),
         *of_whole,
         explorer_html(exploration_of(found)),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.untold import untold
+from hjcamp.commands.any_plant.bound_words import ends_of_laws, held_by_bounds, late_inputs, other_sizes
 from hjcamp.commands.any_plant.head_words import over_windows, print_head
 from hjcamp.commands.any_plant.law_words import free_law, local_driver, state_of, with_article
 from hjcamp.commands.any_plant.outside_words import (
@@ -29,11 +30,7 @@ from hjcamp.commands.any_plant.words import (
     calibration_table,
     channel_table,
     end_words,
-    ends_of_laws,
     floor_note,
-    held_by_bounds,
-    late_inputs,
-    other_sizes,
     run_away_words,
     still_words,
     table,

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from hjcamp.diagnosis.calibration.analysis import BEGUN_APART, Analysis
+from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.calibration.multistart import BEGUN_APART
 from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled
 from hjcamp.diagnosis.levels import LEVEL
 from hjcamp.diagnosis.selection.scored import Scored

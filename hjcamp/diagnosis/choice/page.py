@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.diagnosis.calibration.analysis import Analysis, what_lacks
+from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.calibration.sufficiency import what_lacks
 from hjcamp.diagnosis.candidates.equivalence import alike_laws
 from hjcamp.diagnosis.choice.comparison_of_models import confidence_set, nested_choice, not_worse
 from hjcamp.diagnosis.choice.kinds import judged

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.diagnosis.calibration.analysis import Analysis, above_noise
+from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.calibration.multistart import above_noise
 from hjcamp.diagnosis.data.tests import Sensor
 from hjcamp.diagnosis.levels import LEVEL, LONGER, MATTERS
 from hjcamp.diagnosis.residuals.free_run import whole_errors

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hjcamp.diagnosis.calibration.analysis import Analysis, above_noise, what_lacks
+from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.calibration.multistart import above_noise
+from hjcamp.diagnosis.calibration.sufficiency import what_lacks
 from hjcamp.diagnosis.calibration.window_length import longest_width
 from hjcamp.diagnosis.candidates.equivalence import alike_laws
 from hjcamp.diagnosis.data.repeatability import in_units, usual_size

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.diagnosis.calibration.analysis import Analysis, begin_hidden, first_starts
+from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.calibration.hidden_states import begin_hidden
+from hjcamp.diagnosis.calibration.prediction_windows import first_starts
 from hjcamp.diagnosis.data.measured_test import MeasuredTest
 from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.data.tests import Measured

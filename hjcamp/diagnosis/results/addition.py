@@ -12,7 +12,9 @@ from hjcamp.diagnosis.calibration.contact_compliance import forms_among
 from hjcamp.diagnosis.data.repeatability import not_above
 from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.estimation.intervals import intervals
-from hjcamp.diagnosis.results.answer import calibration, channel_rows, end_rows, floor_size, removed, whole_rows
+from hjcamp.diagnosis.results.answer import removed
+from hjcamp.diagnosis.results.calibration_rows import calibration
+from hjcamp.diagnosis.results.channel_rows import channel_rows, end_rows, floor_size, whole_rows
 from hjcamp.diagnosis.screening.screening import Projection
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.candidate import Candidate

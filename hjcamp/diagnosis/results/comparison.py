@@ -16,7 +16,7 @@ from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled
 from hjcamp.diagnosis.estimation.likelihood import size
 from hjcamp.diagnosis.residuals.free_run import Whole, whole_error
-from hjcamp.diagnosis.results.answer import end_rows, floor_size, whole_row
+from hjcamp.diagnosis.results.channel_rows import end_rows, floor_size, whole_row
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.declare.effect import Effect
 

@@ -14,7 +14,7 @@ from hjcamp.diagnosis.calibration import contact_compliance as contact_form
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.decision.verdict import judged
-from hjcamp.diagnosis.results.answer import calibration
+from hjcamp.diagnosis.results.calibration_rows import calibration
 from hjcamp.effects import load_effects
 from hjcamp.records.log import TestLog
 

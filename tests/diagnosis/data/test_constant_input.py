@@ -11,10 +11,10 @@ import pytest
 from gauge import measured_log
 
 from hjcamp.commands.any_plant.words import still_words
-from hjcamp.diagnosis.calibration import analysis
-from hjcamp.diagnosis.calibration.analysis import what_lacks
+from hjcamp.diagnosis.calibration import sufficiency
+from hjcamp.diagnosis.calibration.sufficiency import what_lacks
 from hjcamp.diagnosis.data.tests import measured_tests
-from hjcamp.diagnosis.results.answer import still_rows
+from hjcamp.diagnosis.results.channel_rows import still_rows
 
 
 def test_an_input_that_never_moves_is_said_so(tanks: Path) -> None:
@@ -37,7 +37,7 @@ def test_what_moves_before_what_is_looked_at_is_not_still(tanks: Path, monkeypat
     measured = measured_tests([replace(log, columns=log.columns | {"pump_v": begun})])
     [test] = measured.tests
     assert len(test.earlier) and np.ptp(test.inputs[:, 0]) == 0.0 and measured.still == {}
-    monkeypatch.setattr(analysis, "blocks_of", lambda layout: np.arange(2))
-    monkeypatch.setattr(analysis, "moves", lambda layout: np.ones(3, dtype=bool))
+    monkeypatch.setattr(sufficiency, "blocks_of", lambda layout: np.arange(2))
+    monkeypatch.setattr(sufficiency, "moves", lambda layout: np.ones(3, dtype=bool))
     [lead] = what_lacks(measured, SimpleNamespace(of_test=np.zeros(3), width=16))  # type: ignore[arg-type]
     assert f"these have {test.samples} behind {len(test.earlier)} that tell what inputs were before)" in lead

@@ -10,7 +10,7 @@ import numpy as np
 from carriage import measured_log
 
 from hjcamp.diagnosis.data.tests import measured_tests
-from hjcamp.diagnosis.results.answer import _few_windows
+from hjcamp.diagnosis.results.channel_rows import _few_windows
 from hjcamp.report.wording.repeatability import worst_words
 
 

@@ -10,8 +10,8 @@ import pytest
 from answer_schemas import check_answer
 from gauge import BETWEEN, OUTFLOW, PUMP, measured_log
 
+from hjcamp.commands.any_plant.comparison_words import notes_on
 from hjcamp.commands.any_plant.verdict_words import Words
-from hjcamp.commands.any_plant.words import notes_on
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.saturation import ends_of, within
 from hjcamp.diagnosis.data.tests import measured_tests

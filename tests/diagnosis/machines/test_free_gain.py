@@ -14,7 +14,7 @@ from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.data.tests import measured_tests
 from hjcamp.diagnosis.decision.verdict import judged
-from hjcamp.diagnosis.results.answer import unknown_rows
+from hjcamp.diagnosis.results.candidate_rows import unknown_rows
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 

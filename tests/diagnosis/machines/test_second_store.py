@@ -19,7 +19,7 @@ from hjcamp.diagnosis.decision.doubts import doubt_of_nothing
 from hjcamp.diagnosis.decision.verdict import judged
 from hjcamp.diagnosis.estimation.intervals import Interval
 from hjcamp.diagnosis.levels import LEVEL
-from hjcamp.diagnosis.results.answer import calibration
+from hjcamp.diagnosis.results.calibration_rows import calibration
 from hjcamp.diagnosis.selection import claims
 from hjcamp.diagnosis.selection.claims import Claims
 from hjcamp.effects import load_effects

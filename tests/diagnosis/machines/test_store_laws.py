@@ -13,7 +13,8 @@ from hjcamp.diagnosis.candidates.nonparametric_laws import ENDS, KNOT, gain_over
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.data.tests import measured_tests
 from hjcamp.diagnosis.decision.verdict import judged
-from hjcamp.diagnosis.results.answer import answer, unknown_rows
+from hjcamp.diagnosis.results.answer import answer
+from hjcamp.diagnosis.results.candidate_rows import unknown_rows
 from hjcamp.diagnosis.screening.screening import free_of_effect
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant

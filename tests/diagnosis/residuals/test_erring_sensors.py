@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hjcamp.diagnosis.calibration.analysis import calibrated, power_of
+from hjcamp.diagnosis.calibration.analysis import calibrated
+from hjcamp.diagnosis.calibration.prediction_windows import power_of
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.decision.verdict import judged
 from hjcamp.diagnosis.residuals.initial_states import erring_sensors

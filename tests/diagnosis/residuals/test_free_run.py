@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from slab import NOISE, course
 
-from hjcamp.commands.any_plant.words import RUNS_AWAY, run_away_words, whole_table
+from hjcamp.commands.any_plant.comparison_words import whole_table
+from hjcamp.commands.any_plant.words import RUNS_AWAY, run_away_words
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.residuals.free_run import whole_error
-from hjcamp.diagnosis.results.answer import whole_rows
+from hjcamp.diagnosis.results.channel_rows import whole_rows
 from hjcamp.diagnosis.results.comparison import compared
 from hjcamp.known_plants import find_plant
 from hjcamp.model.declare.candidate import Candidate

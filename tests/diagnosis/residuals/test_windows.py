@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from carriage import COULOMB, MASS, PERIOD, VISCOUS, measured_log
 
-from hjcamp.diagnosis.calibration.analysis import MOST_SAMPLES, Analysis, calibrated, what_lacks
+from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
+from hjcamp.diagnosis.calibration.prediction_windows import MOST_SAMPLES
+from hjcamp.diagnosis.calibration.sufficiency import what_lacks
 from hjcamp.diagnosis.calibration.window_length import width_of
 from hjcamp.diagnosis.data import segments as layout_module
 from hjcamp.diagnosis.data.segments import Layout

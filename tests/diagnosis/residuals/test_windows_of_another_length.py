@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from test_erring_sensors import measured  # noqa: F401 - a fixture
 
-from hjcamp.diagnosis.calibration.analysis import Known, above_noise, calibrated
+from hjcamp.diagnosis.calibration.analysis import Known, calibrated
+from hjcamp.diagnosis.calibration.multistart import above_noise
 from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.estimation.gauss_newton import Fitted
 from hjcamp.diagnosis.residuals.windows import Windows

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 from carriage import COULOMB, MASS, VISCOUS, measured_log
 
-from hjcamp.commands.any_plant.words import further_off
+from hjcamp.commands.any_plant.comparison_words import further_off
 from hjcamp.diagnosis.data.tests import measured_tests
 from hjcamp.diagnosis.results.comparison import compared
 from hjcamp.effects import load_effects

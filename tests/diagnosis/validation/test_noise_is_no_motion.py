@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from flywheel import GAIN, INERTIA, PERIOD, PLANT, VISCOUS
 
-from hjcamp.diagnosis.calibration.analysis import calibrated, what_lacks
+from hjcamp.diagnosis.calibration.analysis import calibrated
+from hjcamp.diagnosis.calibration.sufficiency import what_lacks
 from hjcamp.diagnosis.data.repeatability import MOTION_ORDERS, moves
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.decision.verdict import judged

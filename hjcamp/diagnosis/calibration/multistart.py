@@ -1,0 +1,101 @@
+"""Fits of the base from several starts, and with samples in parts: the best optimum of the calibration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.diagnosis.calibration.hidden_states import begin_hidden
+from hjcamp.diagnosis.data.segments import Layout
+from hjcamp.diagnosis.estimation.gauss_newton import SETTLED, TURNS_OF_BASE, Fitted, settled
+from hjcamp.diagnosis.levels import LEVEL, MATTERS
+from hjcamp.diagnosis.residuals.windows import Windows
+from hjcamp.model.declare.base_values import DELAY
+from hjcamp.model.declare.candidate import Candidate
+
+Array = NDArray[np.float64]
+
+
+# Of short tests, and where errors are more than noise, the base begins with each parameter so many times smaller and larger, too.
+BEGUN_APART = 4.0
+
+
+# In so many parts samples are simulated.
+PARTS = (2, 4)
+
+
+def above_noise(layout: Layout, features: Array) -> bool:
+    """Whether features (windows, d) are more than the noise of a sensor by chance: what leaves no more cannot be fitted better."""
+    from scipy.special import gammaincinv
+
+    each = features.reshape(len(features), len(layout.measured.sensors), -1)
+    # the sum of n squares of noise is chi-squared
+    half = 0.5 * each[:, 0].size
+    return bool(np.any(np.mean(each**2, axis=(0, 2)) > gammaincinv(half, 1.0 - LEVEL) / half))
+
+
+def in_parts(windows: Windows, fitted: Fitted) -> Fitted:
+    """Return a fit with samples simulated in as many parts as what is given between them asks for; ``windows`` are left so.
+
+    An input that acts a fraction of a sample late, or runs on from sample to sample, is its mean over a sample. Where that differs
+    from parts by a tenth of a sensor's noise (rms), and of what a model leaves that takes all that matters, these are simulated.
+    """
+    if not (windows.layout.ahead or any(name.startswith(DELAY) for name in fitted.candidate.base)):
+        return fitted
+    for parts in PARTS:
+        finer = replace(windows, layout=replace(windows.layout, fine=parts))
+        finer.place = windows.place
+        left = windows.features(fitted.candidate)
+        change, usual = (_rms(one, windows.layout) for one in (finer.features(fitted.candidate) - left, left))
+        if not np.any(change > MATTERS * np.maximum(1.0, MATTERS * usual)):
+            break
+        windows.layout = finer.layout
+        fitted = settled(windows, fitted.candidate, fitted.free, turns=TURNS_OF_BASE)
+    return fitted
+
+
+def _rms(features: Array, layout: Layout) -> Array:
+    """Return the rms of features (windows, d) of each sensor (sensors,)."""
+    return np.asarray(np.sqrt(np.mean(features.reshape(len(features), len(layout.measured.sensors), -1) ** 2, axis=(0, 2))))
+
+
+def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterable[str]) -> Fitted:
+    """Return the best of a fit and those that begin with one of the named base parameters well below or above where that began.
+
+    One fit may be far from the best, as with a resonance that is declared elsewhere; one that the tests do not tell from the first
+    (likelihood ratio at the level of all claims) is no better. ``windows`` are left begun where the best has them.
+    """
+    from scipy.special import chdtri
+
+    best, place, least = fitted, windows.place, fitted.loss - 0.5 * float(chdtri(1, LEVEL))
+    for one in fitted.free:
+        for factor in (1.0 / BEGUN_APART, BEGUN_APART) if not one.effect and one.name in names else ():
+            start = one.put(begun, factor * one.value_in(begun))
+            own = windows.begun_for(start, place)
+            found = settled(own, start, fitted.free, turns=TURNS_OF_BASE)
+            if found.loss < min(best.loss, least):
+                best, windows.place = found, own.place
+    return best
+
+
+def begun_anew(windows: Windows, fitted: Fitted) -> Fitted:
+    """Return the better of a fit and one whose unseen states begin where the fitted model leads them, from each test's start on.
+
+    Readings may tell such a state in more than one place, as a speed of which nothing but the size is measured: then it stays about
+    where the declared parameters have led it. ``windows`` are left begun where the better has them.
+    """
+    if not windows.unseen.any() or windows.layout.memory or not np.isfinite(fitted.loss):
+        return fitted
+    for _ in range(TURNS_OF_BASE):
+        own = replace(windows)
+        own.place = windows.place
+        begin_hidden(own, fitted.candidate)
+        own.move_starts(fitted.candidate)
+        found = settled(own, fitted.candidate, fitted.free, turns=TURNS_OF_BASE)
+        if not found.loss < fitted.loss - SETTLED:
+            break
+        fitted, windows.place = found, own.place
+    return fitted
