@@ -1,0 +1,1 @@
+"""A composed model as files for other programs: Python, python-control, FMI, LaTeX."""
