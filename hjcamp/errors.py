@@ -97,3 +97,12 @@ def text_of(problem: BaseException) -> str:
 def counted(number: int, one: str, many: str = "") -> str:
     """Return a number with its word: ``1 test``, ``3 tests``; ``many`` is the plural where no s makes it."""
     return f"{number} {one if number == 1 else many or f'{one}s'}"
+
+
+def plain(number: float, digits: int = 3) -> str:
+    """Return a number with so many digits, without an exponent where it is neither very large nor very small."""
+    if number and math.isfinite(number) and 1e-6 <= abs(number) < 1e7:
+        places = max(digits - 1 - math.floor(math.log10(abs(number))), 0)
+        text = f"{number:.{places}f}"
+        return text.rstrip("0").rstrip(".") if "." in text else text
+    return f"{number:.{digits}g}"

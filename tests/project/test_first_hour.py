@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import re
 import shlex
+import socket
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from hjcamp import cli
+from hjcamp.plants.pump_joint.tour import spindle
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -23,6 +26,30 @@ def commands(heading: str) -> list[list[str]]:
     return [words[1:] for words in lines]
 
 
+@pytest.fixture
+def short_recordings(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first 6 s of each recording of the spindle: what they hold is asked of the tour and the gallery."""
+    short = tmp_path_factory.mktemp("spindle")
+    for file in spindle.FILES.iterdir():
+        lines = file.read_text(encoding="utf-8").splitlines(True)
+        (short / file.name).write_text("".join(lines[:601]), encoding="utf-8")
+    monkeypatch.setattr(spindle, "FILES", short)
+
+
+@pytest.fixture
+def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let nothing be reached but this machine."""
+    connect = socket.socket.connect
+
+    def here(one: socket.socket, address: Any) -> None:
+        if isinstance(address, tuple) and address[0] not in ("127.0.0.1", "::1", "localhost"):
+            raise AssertionError(f"{address} was to be reached")
+        connect(one, address)
+
+    monkeypatch.setattr(socket.socket, "connect", here)
+
+
+@pytest.mark.usefixtures("no_network", "short_recordings")
 @pytest.mark.parametrize("heading", ["A model of something of your own", "At the bench", "In CI"])
 def test_the_five_commands_of_a_first_hour(
     empty_folder: Path, heading: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

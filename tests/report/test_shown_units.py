@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pint
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hjcamp.commands.any_plant.outside_words import by_condition_words
+from hjcamp.commands.any_plant.remaining_words import still_errs
 from hjcamp.effects import load_effects
 from hjcamp.plants.pump_joint import PumpJoint
+from hjcamp.report.wording.repeatability import worst_words
 from hjcamp.report.wording.units import (
     SHOWN,
     decimals_of,
@@ -103,3 +107,14 @@ def test_published_faults_are_shown_right() -> None:
     assert told_estimate({"value": 1.0, "unit": "N", "ci95": [0.001, 50.0]}) == "1 N"
     assert told_interval({"value": 1.0, "unit": "N", "ci95": [0.001, 50.0]}) == "0.001 to 50"
     assert told_estimate({"value": 2.0, "unit": "N", "ci95": [1.0, 3.0], "told": False}) == "2 N"
+
+
+@pytest.mark.parametrize("times", [0.5, 1.26, 9.96, 99.6, 104.0, 372.0, 12345.0])
+def test_so_many_times_is_a_number_as_people_write_it(times: float) -> None:
+    row = {"condition": "a", "channel": "speed_rpm", "over_floor": times, "shared": None}
+    [worst] = worst_words([row], "the noise")
+    still = still_errs("speed_rpm", {"value": None, "low": 0.1, "high": 0.1 * times, "unit": "rpm"})
+    [differs, _] = by_condition_words({"left": 1.0, "parameters": {}}, times)
+    for said in (worst, still, differs):
+        numbers = [float(one) for one in re.findall(r"(?<![\w.])\d+(?:\.\d+)?(?=[ ,.:])", said)]
+        assert "e+" not in said and any(one == pytest.approx(times, rel=0.05) for one in numbers), said

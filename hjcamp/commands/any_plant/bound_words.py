@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from hjcamp.diagnosis.results.shares import left_of
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.report.wording.units import plain, told
-
-if TYPE_CHECKING:
-    pass
 
 
 def held_by_bounds(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -43,7 +40,9 @@ def other_sizes(rows: Mapping[str, Mapping[str, Any]], candidates: Sequence[Mapp
     told_here = {name: row for name, row in rows.items() if row["published"] and row.get("told", True) and not row["at_bound"]}
     moved = {name: abs(row["value"] / row["published"]) for name, row in told_here.items()}
     far = [
-        f"{name.replace('_', ' ')} is {ratio:.2g} times as large" for name, ratio in moved.items() if not 0.5 <= ratio <= 2.0
+        f"{name.replace('_', ' ')} is {plain(ratio, 2)} times as large"
+        for name, ratio in moved.items()
+        if not 0.5 <= ratio <= 2.0
     ]
     if not held or not far:
         return []
@@ -75,7 +74,7 @@ def late_inputs(rows: Mapping[str, Mapping[str, Any]], named: Sequence[str], per
     most = [name for name, row in late.items() if row["at_bound"]]
     longer = [name for name, row in late.items() if (row["ci95"][0] or 0.0) > period]
     if {"command_delay", "action_lag", "sensor_lag"} & {name.split("_at_")[0] for name in named}:
-        own = [f"{name} by {late[name]['value']:.3g} s" for name in dict.fromkeys(most + longer)]
+        own = [f"{name} by {plain(late[name]['value'], 3)} s" for name in dict.fromkeys(most + longer)]
         return [f"Input delays were also fitted ({', '.join(own)}): the total lag is the sum."] if own else []
     if most:
         return [

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjcamp.errors import counted
+from hjcamp.errors import counted, plain
 from hjcamp.report.wording.units import told
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def title(done: PlantProposed) -> str:
     if not proposal.chosen:
         return "NO DISCRIMINATING TEST"
     one = proposal.tests[0]
-    size = f"{counted(proposal.chosen, 'test')} of {one.seconds:.3g} s"
+    size = f"{counted(proposal.chosen, 'test')} of {plain(one.seconds)} s"
     again = f", {one.repetitions} repetitions each" if one.repetitions > 1 else ""
     return f"PROPOSED   {size}{again}, the best of {proposal.tried} tried in simulation"
 
@@ -118,7 +118,7 @@ def title(done: PlantProposed) -> str:
 def sentences(done: PlantProposed) -> list[str]:
     """Return what is proposed, or that nothing is, in sentences."""
     proposal, said = done.proposal, telling(done)
-    found = [f"{one[:1].upper()}{one[1:]}." for one in done.diagnosis.get("lacking", ())]
+    found = [f"{one}." for one in done.diagnosis.get("lacking", ())]
     if len(proposal.question.rivals) < 2:
         return [
             *found,

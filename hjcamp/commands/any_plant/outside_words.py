@@ -37,9 +37,10 @@ def by_condition_words(row: Mapping[str, Any], before: float) -> list[str]:
         alike[label] = [f"{value} in {' and '.join(where)}" for value, where in values.items()]
     each = "; ".join(f"{label} is {', '.join(said)}" for label, said in alike.items())
     return [
-        f"The base is not the same in all conditions: fitted to each alone it leaves {row['left']:.2f} times the noise floor, "
-        f"instead of {before:.2f}. {each[:1].upper()}{each[1:]}.",
-        "What is known to differ can be given with each test: Parameter(..., given=NAME), and NAME in the metadata of its log.",
+        "No one set of parameters fits all conditions. Estimated for each alone, they leave "
+        f"{plain(row['left'])} times the noise floor instead of {plain(before)}: {each}.",
+        "What is known to differ can be given with each test: Parameter(..., given=NAME), and NAME in the metadata of its log. "
+        "Logs of several specimens are diagnosed one specimen at a time.",
     ]
 
 

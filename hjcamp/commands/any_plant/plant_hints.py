@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjcamp.model.declare.base_values import DELAY
-from hjcamp.report.wording.units import told
+from hjcamp.report.wording.units import plain, told
 
 if TYPE_CHECKING:
     from hjcamp.diagnosis.residuals.windows import Windows
@@ -34,7 +34,7 @@ def early_inputs(plant: type[Plant], rows: Mapping[str, Mapping[str, Any]], peri
         low, high = rows.get(f"{DELAY}{name}", {}).get("ci95", (None, None))
         if high is not None and high < 0.0 and (low is None or low <= -0.5 * period):
             found.append(
-                f"{name} acts {-rows[f'{DELAY}{name}']['value'] / period:.2g} samples earlier than logged. One that runs on from "
+                f"{name} acts {plain(-rows[f'{DELAY}{name}']['value'] / period, 2)} samples earlier than logged. One that runs on from "
                 'sample to sample is half a sample early (write hold="linear" at it, and ask again), one that is logged at the end '
                 "of what it held for a whole one."
             )

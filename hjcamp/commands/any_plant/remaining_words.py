@@ -27,19 +27,19 @@ def most_remains(content: Mapping[str, Any], verdict: Verdict, source: str) -> l
         told_why = verdict.law_left > 0.05 and verdict.word != "outside_library"
         errs = (
             f"{channel_label(name)} still errs by {told(row['augmented'], row['unit'])}, "
-            f"{row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}"
+            f"{plain(row['augmented'] / max(row['floor'], 1e-300), 2)} times {kind}"
         )
         if told_why:
             return [f"{errs}."]
         if source == "repetitions":
             return [
-                f"Repetitions share most of the residual, {row['augmented'] / row['floor']:.2g} times the noise floor in "
+                f"Repetitions share most of the residual, {plain(row['augmented'] / row['floor'], 2)} times the noise floor in "
                 f"{channel_label(name)}: the true law has a different shape, or something else is missing as well."
             ]
         return [f"{errs}: the true law has a different shape, something else is missing as well, or the rig scatters."]
     return [
         f"Most of the error remains: {channel_label(name)} errs by {told(row['augmented'], row['unit'])} instead of "
-        f"{told(row['baseline'], row['unit'])}, {row['augmented'] / max(row['floor'], 1e-300):.2g} times {kind}. "
+        f"{told(row['baseline'], row['unit'])}, {plain(row['augmented'] / max(row['floor'], 1e-300), 2)} times {kind}. "
         "Something else is missing as well, or the rig scatters."
     ]
 
@@ -53,7 +53,7 @@ def over_noise(content: Mapping[str, Any], source: str) -> list[str]:
     if source != "near_replicates" or errs[name] * (1.0 - MOST_OF_IT) <= rows[name]["low"]:
         return []
     return [
-        f"{channel_label(name)} errs by {told(errs[name], rows[name]['unit'])}, {errs[name] / rows[name]['low']:.2g} times its "
+        f"{channel_label(name)} errs by {told(errs[name], rows[name]['unit'])}, {plain(errs[name] / rows[name]['low'], 2)} times its "
         f"own noise (third differences). Near-replicates differ by {told(rows[name]['value'], rows[name]['unit'])}: that is "
         "scatter of the rig, or something that no log contains. A repeated test would show which."
     ]
@@ -79,9 +79,8 @@ def still_errs(name: str, row: Mapping[str, Any]) -> str:
     """What a channel still errs by, and how many times its noise floor or noise that is."""
     from hjcamp.report.wording.channels import channel_label
 
-    times = (
-        f"{row['high'] / least(row):.2g} times its {'own noise (third differences)' if row['value'] is None else 'noise floor'}"
-    )
+    over = "own noise (third differences)" if row["value"] is None else "noise floor"
+    times = f"{plain(row['high'] / least(row), 2)} times its {over}"
     return f"{channel_label(name)} still errs by {told(row['high'], row['unit'])}, {times}"
 
 

@@ -75,7 +75,8 @@ class Words:
         place, _, local = drivers[0].rpartition("_") if drivers else ("", "", "")
         of_place = f" of {place.replace('_', ' ')}" if place and place != local else ""
         state = state_of(self.content["unknowns"][0]) if self.content["unknowns"] else ""
-        said = names or (f"depends on {state or local_driver(local) + of_place}" if drivers else "")
+        differs = "parameters differ by condition" if self.content["by_condition"] else ""
+        said = names or (f"depends on {state or local_driver(local) + of_place}" if drivers else differs)
         if self.verdict.word == "nothing_missing" and (far := self.far_off):
             return f"NOTHING IDENTIFIED  {still_errs(*far)}"
         if self.verdict.word == "nothing_missing" and self.verdict.p_value <= LEVEL:
@@ -149,7 +150,7 @@ class Words:
         found = []
         library = self.analysis.search.library
         if verdict.word == "cannot_tell":
-            found += [f"{one[:1].upper()}{one[1:]}." for one in verdict.lacking]
+            found += [f"{one}." for one in verdict.lacking]
         if verdict.word == "effect":
             found += [f"{name}: {library[name].sentence()}" for name in verdict.effects]
         if verdict.word == "one_of":
@@ -298,6 +299,8 @@ class Words:
                 + beside
             )
         if self.verdict.word == "outside_library":
+            if self.content["by_condition"] and not self.content["unknowns"]:
+                return ["hjcamp calibrate LOGS_OF_ONE --as NAME   # each specimen or condition by itself"]
             begun = f" --from {folder}" if curve else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
         rivals = self.verdict.word == "cannot_tell" and any(left_of(row) < 1.0 for row in self.content["candidates"])

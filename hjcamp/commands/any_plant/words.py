@@ -119,7 +119,7 @@ def end_words(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
     return [
         f"{channel_label(name)} reads no {word} than {told(row[key], row['unit'])}: predictions are held there, and "
-        f"{100.0 * row['share']:.2g} % of its samples, which read an end, are left out of every fit and score."
+        f"{plain(100.0 * row['share'], 2)} % of its samples, which read an end, are left out of every fit and score."
         for name, row in rows.items()
         for key, word in (("low", "lower"), ("high", "higher"))
         if row[key] is not None

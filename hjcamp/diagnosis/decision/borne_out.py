@@ -11,6 +11,7 @@ from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.levels import MATTERS, MOST_OF_IT
 from hjcamp.diagnosis.residuals.free_run import through
 from hjcamp.diagnosis.selection.scored import Scored, Step
+from hjcamp.errors import plain
 
 TOO_SHORT = ": these windows are too short for what acts slowly; longer tests, or repeated ones"
 
@@ -88,4 +89,4 @@ def _left(analysis: Analysis, models: Sequence[Scored]) -> list[float]:
 
 
 def _window(analysis: Analysis) -> str:
-    return f"{analysis.windows.layout.width * analysis.measured.period:.2g} s"
+    return f"{plain(analysis.windows.layout.width * analysis.measured.period, 2)} s"

@@ -13,6 +13,7 @@ from hjcamp.diagnosis.levels import LEVEL, MATTERS, MOST_OF_IT
 from hjcamp.diagnosis.residuals.simulated import ZERO
 from hjcamp.diagnosis.selection.scored import Scored, Step
 from hjcamp.diagnosis.validation.blocks import critical
+from hjcamp.errors import plain
 from hjcamp.model.declare.base_values import DELAY
 
 # After so many times its time constant 95 % of a start are forgotten.
@@ -46,9 +47,10 @@ def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
         return ""
     chance = "which is more than chance" if shown else "though the library explains no more of it than chance"
     return (
-        f"{sensors[worst].quantity.replace('_', ' ')} errs by {over[worst]:.2g} times its own noise (third differences), {chance} "
-        f"(p = {p_value:.2g}), and no effect and no non-parametric term is shown to explain it{nearest}; without repetitions "
-        f"{len(analysis.windows.starts)} windows do not show whether that is scatter or something that no log contains: repeat a test"
+        f"{sensors[worst].quantity.replace('_', ' ')} errs by {plain(over[worst], 2)} times its own noise (third differences), "
+        f"{chance} (p = {plain(p_value, 2)}), and no effect and no non-parametric term is shown to explain it{nearest}; "
+        f"without repetitions {len(analysis.windows.starts)} windows do not show whether that is scatter or something that no log "
+        "contains: repeat a test"
     )
 
 
@@ -80,9 +82,9 @@ def _too_short(analysis: Analysis, first: Step) -> str:
         share = search.error_ratio(model, first.before)
         if effect.states and width < 2.0 * FORGOTTEN * longest and share <= 1.0 - MATTERS:
             return (
-                f"{name} explains {100.0 * (1.0 - share):.0f} % of the error, but windows of {width:.2g} s are only "
-                f"{width / longest:.2g} "
-                f"times its {longest:.2g} s and do not distinguish it from other laws: make longer tests"
+                f"{name} explains {100.0 * (1.0 - share):.0f} % of the error, but windows of {plain(width, 2)} s are only "
+                f"{plain(width / longest, 2)} "
+                f"times its {plain(longest, 2)} s and do not distinguish it from other laws: make longer tests"
             )
     return ""
 
@@ -142,7 +144,7 @@ def _late(analysis: Analysis, p_value: float, model: Scored | None = None) -> st
             name = one.name.removeprefix(DELAY).replace("_", " ")
             return (
                 f"the delay of {name} is at the largest that the base may have, and the residual exceeds chance "
-                f"(p = {p_value:.2g}): something later is missing, but not shown block by block"
+                f"(p = {plain(p_value, 2)}): something later is missing, but not shown block by block"
             )
     return ""
 

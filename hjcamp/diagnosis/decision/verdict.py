@@ -72,8 +72,13 @@ def agreed(analysis: Analysis, at: Callable[[int], Analysis]) -> tuple[Analysis,
 def _of_other_base(analysis: Analysis, verdict: Verdict) -> Verdict:
     """Return the verdict with a base of another kind where that leaves no more than what was found.
 
-    It has other parameters in each condition, or a constant that the plant's file gives is another one.
+    It has other parameters in each condition, or a constant that the plant's file gives is another one. What no law explains and no
+    repetition shows to be more than scatter is explained where each condition has parameters of its own.
     """
+    if verdict.word == CANNOT_TELL and analysis.search.steps and not analysis.held:
+        differs = differs_by_condition(analysis, _least(analysis), None)
+        found = replace(verdict, word=OUTSIDE, confidence_set=(), law_left=1.0, lacking=(), differs=differs)
+        return found if differs else verdict
     if verdict.word not in (OUTSIDE, EFFECT, ONE_OF) or verdict.swing:
         return verdict
     rival, least = verdict.model if verdict.effects else verdict.unknown, _least(analysis)

@@ -30,7 +30,9 @@ def worst_words(rows: Sequence[Mapping[str, Any]], over: str, most: int = 3) -> 
         shared = f", {told(row['shared'], row['unit'], 2)} of it shared by repetitions" if row["shared"] else ""
         places = ", ".join(f"{plain(one['time_s'], 4)} s in {one['test']}" for one in row.get("at") or ())
         place = f", half of it about {places}" if places else ""
-        said.append(f"{row['condition']} {row['over_floor']:.2g} x {over} in {channel_label(row['channel'])}{shared}{place}")
+        said.append(
+            f"{row['condition']} {plain(row['over_floor'], 2)} x {over} in {channel_label(row['channel'])}{shared}{place}"
+        )
     return [f"{'; '.join(said)}."] if said else []
 
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from hjcamp.errors import plain
 from hjcamp.known_plants import usual_plant
 
 # SI unit: (unit that is shown, factor from SI to it). Units that are not here are shown as they are.
@@ -151,15 +152,6 @@ def rounded(number: float, places: int) -> str:
 def _unit_of(row: Mapping[str, Any]) -> tuple[float, str]:
     name, factor = unit_for(row.get("value", (row.get("ci95") or (0.0, 0.0))[1]), row["unit"])
     return factor, name
-
-
-def plain(number: float, digits: int = 3) -> str:
-    """Return a number with so many digits, without an exponent where it is neither very large nor very small."""
-    if number and math.isfinite(number) and 1e-6 <= abs(number) < 1e7:
-        places = max(digits - 1 - math.floor(math.log10(abs(number))), 0)
-        text = f"{number:.{places}f}"
-        return text.rstrip("0").rstrip(".") if "." in text else text
-    return f"{number:.{digits}g}"
 
 
 def label(name: str) -> str:
