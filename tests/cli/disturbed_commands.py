@@ -1,14 +1,17 @@
 """Disturbs every long command: kill -9 at random moments, Ctrl-C twice, little memory, few files, a full disk.
 
-    python tests/cli/disturbed_commands.py 10 [--only WORD] [--seed 1]
+    python tests/cli/disturbed_commands.py 2 [--kills 200] [--only WORD] [--seed 1]
 
-so many times each command in each way. What must never happen: an internal error, a traceback, a log that was changed,
-a file under its final name that is not whole, a part of a file left by a call that was not killed, no end after Ctrl-C.
+so many times each command in each way, and so many kills of all commands together. Each command is made once undisturbed:
+it must succeed, and its length is where kills and Ctrl-C fall. What must never happen: an internal error, a traceback, a
+log that was changed, a file under its final name that is not whole, a part of a file left by a call that was not killed,
+no end after Ctrl-C, processes that outlive the one that was killed, and the same call that no longer works afterwards.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import hashlib
 import json
 import os
@@ -22,6 +25,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from hjcamp.errors import UsageError
@@ -29,19 +33,63 @@ from hjcamp.records.read import read_log
 from hjcamp.yaml_file import read_yaml
 
 BAD_CALLS = Path(__file__).with_name("bad_calls.py")
+SPINDLE = Path(__file__).parents[2] / "hjcamp" / "plants" / "pump_joint" / "tour" / "spindle"
+ROWS = 601  # of a recording of the spindle; short, so that a diagnosis takes seconds
 COMMANDS = {
     "run": "run campaign=controllers conditions=[ramp_pos__pid] repetitions=3 workers=1 run_dir=new",
     "resume": "resume run", "report": "report run", "compare": "compare run",
     "diagnose": "diagnose run --effort quick --only leakage",
     "add": "add leakage run --as with_leakage", "next": "next run --effort quick --tests 1 --as then",
-    "import": "import table.csv --map map.yaml",
-    "export": "log export run --as csv", "verify": "log verify run", "paper": "paper run --as text --formats svg",
-    "effects": "effects test my_spring", "calibrate": "calibrate run --as mine", "tune": "tune controller=pid --as mine",
+    "export": "log export run --as csv --into tables", "verify": "log verify run",
+    "paper": "paper run --as text --formats svg",
+    "effects": "effects test my_spring", "tune": "tune controller=pid --as mine",
+    "spindle import": "import measured/train_1.csv measured/train_2.csv --map spindle.yaml --into more",
+    "spindle compare": "compare spin", "spindle diagnose": "diagnose spin --effort quick --only quadratic_drag",
+    "spindle add": "add quadratic_drag spin --as with_drag", "spindle next": "next spin --effort quick --tests 1 --as then",
+    "spindle calibrate": "calibrate spin --as own",
 }  # fmt: skip
-LONGEST_S, OUT_S = 20.0, 60.0
+WAYS = ("kill", "interrupt", "memory", "files", "disk")
+OUT_S, WANTED_S, ORPHANS_S, LIMIT_S = 60.0, 5.0, 15.0, 600.0
 MEMORY_MB = (150, 300, 600, 1200, 2500)
 FILES = (12, 16, 20, 30, 40)  # with fewer the interpreter itself does not begin
 DISK_BYTES = (0, 100, 4_000, 50_000, 300_000)
+
+
+@dataclass
+class Count:
+    """What was counted: calls by way and code, calls that were under way when disturbed, seconds out after Ctrl-C."""
+
+    codes: Counter[str] = field(default_factory=Counter)
+    hit: Counter[str] = field(default_factory=Counter)
+    again: int = 0
+    out_s: list[float] = field(default_factory=list)
+    faults: int = 0
+
+    def __str__(self) -> str:
+        slow = sum(seconds > WANTED_S for seconds in self.out_s)
+        return "\n".join(
+            (
+                f"{sum(self.codes.values())} disturbed calls: {', '.join(f'{n} {key}' for key, n in sorted(self.codes.items()))}",
+                f"at work when hit: {', '.join(f'{n} {key}' for key, n in sorted(self.hit.items()))}; called again: {self.again}",
+                f"out after the second Ctrl-C: longest {max(self.out_s, default=0.0):.1f} s, "
+                f"{slow} of {len(self.out_s)} over {WANTED_S:g} s",
+                f"{self.faults} faults",
+            )
+        )
+
+
+def prepared(folder: Path) -> None:
+    """Make the folder that calls get copies of: a run of the joint, and a spindle with two recordings and their logs."""
+    subprocess.run([sys.executable, str(BAD_CALLS), "--prepare", str(folder)], check=True, stdout=subprocess.DEVNULL)
+    (folder / "loop").unlink()
+    shutil.copy(SPINDLE / "plant.txt", folder / "plants" / "spindle.py")
+    shutil.copy(SPINDLE / "map.yaml", folder / "spindle.yaml")
+    (folder / "measured").mkdir()
+    for name in ("train_1.csv", "train_2.csv"):
+        rows = (SPINDLE / name).read_text().splitlines(keepends=True)
+        (folder / "measured" / name).write_text("".join(rows[:ROWS]))
+    words = "import measured/train_1.csv measured/train_2.csv --map spindle.yaml --into spin"
+    subprocess.run([sys.executable, "-m", "hjcamp", *words.split()], cwd=folder, check=True, stdout=subprocess.DEVNULL)
 
 
 def limited(kind: int, value: int) -> Callable[[], None]:
@@ -54,18 +102,60 @@ def limited(kind: int, value: int) -> Callable[[], None]:
     return before
 
 
-def started(words: str, folder: Path, before: Callable[[], None] | None = None) -> subprocess.Popen[str]:
-    """Begin a call in a folder, in a group of its own."""
+def started(words: str, folder: Path, before: Callable[[], None] | None = None) -> subprocess.Popen[bytes]:
+    """Begin a call in a folder, in a group of its own; what it says goes to a file next to the folder."""
     command = [sys.executable, "-m", "hjcamp", *words.split()]
-    return subprocess.Popen(
-        command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
-        start_new_session=True, preexec_fn=before,
-    )  # fmt: skip
+    with said_in(folder).open("wb") as said:
+        return subprocess.Popen(
+            command, cwd=folder, stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT,
+            start_new_session=True, preexec_fn=before,
+        )  # fmt: skip
+
+
+def said_in(folder: Path) -> Path:
+    """Return the file of what a call in a folder says."""
+    return folder.with_suffix(".said")
+
+
+def ended(process: subprocess.Popen[bytes], limit_s: float) -> int | None:
+    """Wait for a call; its code, or None where it had to be ended."""
+    try:
+        return process.wait(limit_s)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        return None
+
+
+def members(group: int) -> list[int]:
+    """Return the processes of a group that are alive."""
+    found = []
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            state, _, of = (entry / "stat").read_text().rpartition(")")[2].split()[:3]
+        except (OSError, ValueError):
+            continue
+        if int(of) == group and state != "Z":
+            found.append(int(entry.name))
+    return found
+
+
+def outlive(group: int) -> bool:
+    """Return whether processes of a group are there for long after their first one was killed; they are ended."""
+    end = time.monotonic() + ORPHANS_S
+    while members(group):
+        if time.monotonic() > end:
+            os.killpg(group, signal.SIGKILL)
+            return True
+        time.sleep(0.05)
+    return False
 
 
 def logs_of(folder: Path) -> dict[str, str]:
     """Return the hash of each log that was there before."""
-    return {str(path): hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted((folder / "run").rglob("*.mcap"))}
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(folder.rglob("*.mcap"))
+    }
 
 
 def not_whole(folder: Path) -> list[str]:
@@ -76,7 +166,8 @@ def not_whole(folder: Path) -> list[str]:
             if path.is_symlink() or not path.is_file() or "tour" in path.parts:
                 continue
             if path.suffix == ".mcap":
-                read_log(path)
+                with contextlib.chdir(folder):  # its plant is a file there
+                    read_log(path)
             elif path.suffix == ".json":
                 json.loads(path.read_text())
             elif path.suffix in (".yaml", ".yml"):
@@ -88,8 +179,32 @@ def not_whole(folder: Path) -> list[str]:
     return found
 
 
-def disturb(way: str, words: str, folder: Path, chance: random.Random) -> tuple[int | None, str]:
-    """Make one call and disturb it; return its code (None: it did not end) and what it said."""
+def interrupted(process: subprocess.Popen[bytes], chance: random.Random, count: Count) -> tuple[int | None, list[str]]:
+    """Ctrl-C twice, as a terminal sends it: to the whole group."""
+    os.killpg(process.pid, signal.SIGINT)
+    time.sleep(chance.uniform(0.0, 0.5))
+    if process.poll() is None:
+        os.killpg(process.pid, signal.SIGINT)
+    began = time.monotonic()
+    code = ended(process, OUT_S)
+    count.out_s.append(time.monotonic() - began)
+    return code, ["processes go on"] if outlive(process.pid) else []
+
+
+def killed(process: subprocess.Popen[bytes], chance: random.Random) -> tuple[int | None, list[str]]:
+    """Kill the whole group, as a power cut does, or its first process alone, as a system short of memory does."""
+    if chance.random() < 0.5:
+        os.killpg(process.pid, signal.SIGKILL)
+    else:
+        process.kill()
+    code = ended(process, OUT_S)
+    return code, ["processes outlive it"] if outlive(process.pid) else []
+
+
+def disturb(
+    way: str, words: str, folder: Path, chance: random.Random, long_s: float, count: Count
+) -> tuple[int | None, list[str]]:
+    """Make one call, disturb it; return its code (None: it did not end) and what must not have happened."""
     before = None
     if way == "memory":
         before = limited(resource.RLIMIT_AS, chance.choice(MEMORY_MB) * 2**20)
@@ -97,23 +212,21 @@ def disturb(way: str, words: str, folder: Path, chance: random.Random) -> tuple[
         before = limited(resource.RLIMIT_NOFILE, chance.choice(FILES))
     elif way == "disk":
         before = limited(resource.RLIMIT_FSIZE, chance.choice(DISK_BYTES))
+    logs = logs_of(folder)
     process = started(words, folder, before)
-    if way in ("kill", "interrupt"):
-        try:
-            said, _ = process.communicate(timeout=chance.uniform(0.05, LONGEST_S))
-            return process.returncode, said
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL if way == "kill" else signal.SIGINT)
-            if way == "interrupt":
-                time.sleep(chance.uniform(0.0, 0.5))
-                if process.poll() is None:
-                    os.killpg(process.pid, signal.SIGINT)
+    found: list[str] = []
     try:
-        said, _ = process.communicate(timeout=OUT_S if way in ("kill", "interrupt") else 10 * OUT_S)
-        return process.returncode, said
+        code: int | None = process.wait(LIMIT_S if before else chance.uniform(0.0, long_s))
     except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        return None, process.communicate()[0]
+        count.hit[way] += 1
+        if way == "kill":
+            code, found = killed(process, chance)
+        elif way == "interrupt":
+            code, found = interrupted(process, chance, count)
+        else:
+            code = ended(process, 0.0)
+    count.codes[f"{way} {code}"] += 1
+    return code, found + faults(way, code, said_in(folder).read_text(errors="replace"), folder, logs)
 
 
 def faults(way: str, code: int | None, said: str, folder: Path, logs: dict[str, str]) -> list[str]:
@@ -125,6 +238,8 @@ def faults(way: str, code: int | None, said: str, folder: Path, logs: dict[str, 
         found.append(f"exit code {code}")
     if "internal error" in said or "Traceback (most" in said:
         found.append("internal error")
+    if code in (1, 2) and not said.strip():
+        found.append("no message")
     if any(logs_of(folder).get(name) != digest for name, digest in logs.items()):
         found.append("a log was lost or changed")
     if way != "kill":
@@ -132,38 +247,68 @@ def faults(way: str, code: int | None, said: str, folder: Path, logs: dict[str, 
     return found
 
 
+def again(words: str, folder: Path) -> list[str]:
+    """Make the same call undisturbed in the folder that a disturbed one left; return what is wrong with that."""
+    code = ended(started(words, folder), LIMIT_S)
+    said = said_in(folder).read_text(errors="replace")
+    refused = code == 2 and " exists" in said  # what the first call had finished is not written over
+    return [] if code == 0 or refused else [f"the same call gives {code} afterwards: {said[-300:]}"]
+
+
+def undisturbed(words: str, original: Path) -> float:
+    """Return how long a call takes that nothing disturbs; raises where it does not succeed."""
+    folder = original.with_name("undisturbed")
+    shutil.copytree(original, folder)
+    began = time.monotonic()
+    code = ended(started(words, folder), LIMIT_S)
+    long_s = time.monotonic() - began
+    assert code == 0, f"{words}: {code}: {said_in(folder).read_text()}"
+    shutil.rmtree(folder)
+    return long_s
+
+
+def disturb_all(given: argparse.Namespace, original: Path, count: Count) -> None:
+    """Disturb each command in each way, and print each fault."""
+    chance = random.Random(given.seed)
+    for place, (command, words) in enumerate(COMMANDS.items()):
+        kills = given.times if given.kills is None else len(range(place, given.kills, len(COMMANDS)))
+        ways = {way: kills if way == "kill" else given.times for way in WAYS if given.only in f"{command} {way}"}
+        if not any(ways.values()):
+            continue
+        long_s = undisturbed(words, original)
+        print(f"{command}: {long_s:.1f} s undisturbed", flush=True)
+        for way, times in ways.items():
+            for number in range(times):
+                folder = original.with_name(f"{command}_{way}_{number}".replace(" ", "_"))
+                shutil.copytree(original, folder)
+                code, found = disturb(way, words, folder, chance, long_s, count)
+                if code != 0 and number % given.again == 0:
+                    count.again += 1
+                    found += again(words, folder)
+                if found:
+                    count.faults += 1
+                    said = " ".join(said_in(folder).read_text(errors="replace").split())[-300:]
+                    print(f"FAULT {command}, {way}: {'; '.join(found)}: {said}", flush=True)
+                shutil.rmtree(folder)
+
+
 def main() -> int:
     """Disturb, print each fault and what was counted; 1 where there is a fault."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("times", type=int, nargs="?", default=4)
+    parser.add_argument("--kills", type=int, help="of all commands together; without it as often as in the other ways")
+    parser.add_argument("--again", type=int, default=4, help="the same call once more after every so many disturbed ones")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="only commands and ways that hold this word")
     given = parser.parse_args()
-    chance = random.Random(given.seed)
-    codes: Counter[str] = Counter()
-    bad = 0
+    count = Count()
     with tempfile.TemporaryDirectory(prefix="disturbed_") as name:
         original = Path(name) / "original"
         original.mkdir()
-        subprocess.run([sys.executable, str(BAD_CALLS), "--prepare", str(original)], check=True, stdout=subprocess.DEVNULL)
-        (original / "loop").unlink()
-        for command, words in COMMANDS.items():
-            for way in ("kill", "interrupt", "memory", "files", "disk"):
-                for number in range(given.times if given.only in f"{command} {way}" else 0):
-                    folder = Path(name) / f"{command}_{way}_{number}"
-                    shutil.copytree(original, folder)
-                    logs = logs_of(folder)
-                    code, said = disturb(way, words, folder, chance)
-                    codes[f"{way} {code}"] += 1
-                    found = faults(way, code, said, folder, logs)
-                    if found:
-                        bad += 1
-                        print(f"FAULT {command}, {way}: {'; '.join(found)}: {' '.join(said.split())[-300:]}", flush=True)
-                    shutil.rmtree(folder)
-    print(
-        f"{sum(codes.values())} disturbed calls: {', '.join(f'{count} {key}' for key, count in sorted(codes.items()))}; {bad} faults"
-    )
-    return int(bad > 0)
+        prepared(original)
+        disturb_all(given, original, count)
+    print(count)
+    return int(count.faults > 0)
 
 
 if __name__ == "__main__":
