@@ -13,6 +13,7 @@ from typing import IO, Any
 
 from hjcamp.children import safe_children
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.live.browser import has_windows, opened
 from hjcamp.live.feed import GONE_S, Feed, feeding
 
 STARTS_WITHIN_S = 60.0
@@ -108,18 +109,11 @@ def _let_go(process: subprocess.Popen[bytes]) -> None:
 
 def _show(address: str, say: Callable[[str], None]) -> None:
     """Open a browser that has windows of its own, from a thread: some do not return before they are closed."""
-    import webbrowser
-
-    if os.name == "posix" and sys.platform != "darwin":
-        windows = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or os.environ.get("BROWSER")
-        if not windows:
-            return
+    if not has_windows():
+        return
 
     def show() -> None:
-        opened = False
-        with contextlib.suppress(webbrowser.Error, OSError):
-            opened = webbrowser.open(address)
-        if not opened:
+        if not opened(address):
             say(f"        no browser could be opened; the page is at {address}")
 
     threading.Thread(target=show, name="browser", daemon=True).start()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
@@ -23,7 +23,11 @@ SIZE = (9.6, 2.2)
 
 
 class Data(Read, Result):
-    """Measured tests: ``logs``, ``plant``, ``frame`` (a row for each test), ``samples`` and ``plot`` of one of them."""
+    """Measured tests: ``logs``, ``plant``, ``frame`` (a row for each test), ``samples`` and ``plot`` of one of them.
+
+    ``data[0]`` is the first test, ``data[1:]`` all but it, ``data["sine*"]`` those of the conditions (or test names) of a pattern, each
+    again such data; ``for test in data`` goes through the tests one by one.
+    """
 
     @property
     def title(self) -> str:
@@ -76,9 +80,10 @@ class Data(Read, Result):
 
         if condition is None:
             return pl.DataFrame(self._log(test)[1].columns)
-        rows = [one for one in self.frame.iter_rows(named=True) if fnmatchcase(one["condition"], condition)]
-        if not rows:
+        of_condition = set(self._places(condition, [one.condition_key for one in self.logs]))
+        if not of_condition:
             raise unknown("condition", condition, dict.fromkeys(self.frame["condition"]))
+        rows = [one for place, one in enumerate(self.frame.iter_rows(named=True)) if place in of_condition]
         keys = ("test", "condition", "repetition")
         long = [
             pl.DataFrame(self._named[one["test"]].columns).select(
@@ -110,6 +115,37 @@ class Data(Read, Result):
 
     def __len__(self) -> int:
         return len(self.logs)
+
+    def __getitem__(self, chosen: int | slice | str) -> Data:
+        """Return some of the tests, by place, or by name or condition, of which either may be a pattern; ``UsageError`` for none.
+
+        >>> [test.title for test in hjcamp.load("logs")]
+        ['1 test, 1 condition, plant stage']
+        """
+        if isinstance(chosen, slice):
+            places: Sequence[int] = range(len(self))[chosen]
+        elif isinstance(chosen, str):
+            names = self._places(chosen, list(self._named))
+            places = names or self._places(chosen, [log.condition_key for log in self.logs])
+        else:
+            places = [list(self._named).index(self._log(chosen)[0])]
+        if not places:
+            raise unknown("test or condition", str(chosen), [*self._named, *dict.fromkeys(self.frame["condition"])])
+        return self._some(places)
+
+    def __iter__(self) -> Iterator[Data]:
+        return (self._some([place]) for place in range(len(self)))
+
+    def _some(self, places: Sequence[int]) -> Data:
+        """Return the tests at some places as data of their own, under the names that they have here and not read again."""
+        logs, names = [self.logs[place] for place in places], list(self._named)
+        found = Data([log.path for log in logs if log.path], self.common)
+        found.logs, found._named = logs, {names[place]: self.logs[place] for place in places}
+        return found
+
+    @staticmethod
+    def _places(pattern: str, of: Sequence[str]) -> list[int]:
+        return [place for place, one in enumerate(of) if one == pattern or fnmatchcase(one, pattern)]
 
     @cached_property
     def _named(self) -> dict[str, TestLog]:

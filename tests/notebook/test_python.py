@@ -154,7 +154,8 @@ def test_importing_is_light_and_packages_stay_packages() -> None:
     assert (done.returncode, done.stdout.strip()) == (0, "nothing"), done.stderr
 
 
-def test_the_samples_of_many_tests_are_one_long_frame(tmp_path: Path) -> None:
+def three_tests(folder: Path) -> hjcamp.Data:
+    """Return the logs up/1, up/2 and down/1, of which the last has a field more."""
     time = np.arange(200) * 1e-3
     for name, condition, repetition, further in (
         ("a", "up", "1", {}),
@@ -163,8 +164,12 @@ def test_the_samples_of_many_tests_are_one_long_frame(tmp_path: Path) -> None:
     ):
         columns = {"time_s": time, "phase": np.full(200, 3.0), "arm_deg": time, **further}
         lines = {"pressure1_mpa": time + 0.2, "pressure2_mpa": time + 0.3, "pump_deg": time}
-        write_log(tmp_path / f"{name}.mcap", TestLog(columns | lines, {"condition": condition, "repetition": repetition}))
-    data = hjcamp.load(tmp_path)
+        write_log(folder / f"{name}.mcap", TestLog(columns | lines, {"condition": condition, "repetition": repetition}))
+    return hjcamp.load(folder)
+
+
+def test_the_samples_of_many_tests_are_one_long_frame(tmp_path: Path) -> None:
+    data = three_tests(tmp_path)
     assert sorted(data.frame["repetition"]) == [1, 1, 2]
     up, every = data.samples(condition="up"), data.samples(condition="*")
     assert up.columns[:3] == ["test", "condition", "repetition"] and up.height == 400 and set(up["repetition"]) == {1, 2}
@@ -173,6 +178,40 @@ def test_the_samples_of_many_tests_are_one_long_frame(tmp_path: Path) -> None:
         assert every.filter(pl.col("test") == name)["arm_deg"].equals(data.samples(name)["arm_deg"])
     with pytest.raises(UsageError, match="unknown condition 'upp'; did you mean 'up'"):
         data.samples(condition="upp")
+
+
+@pytest.mark.parametrize(
+    ("chosen", "names"),
+    [
+        (0, ["up/1"]),
+        (-1, ["down/1"]),
+        (slice(1, None), ["up/2", "down/1"]),
+        ("up", ["up/1", "up/2"]),
+        ("u*", ["up/1", "up/2"]),
+        ("up/2", ["up/2"]),
+        ("*/1", ["up/1", "down/1"]),
+        ("*", ["up/1", "up/2", "down/1"]),
+        ("upp", UsageError),
+        (3, UsageError),
+        (slice(3, None), UsageError),
+    ],
+)
+def test_some_tests_are_data_again(tmp_path: Path, chosen: int | slice | str, names: list[str] | type[Exception]) -> None:
+    data = three_tests(tmp_path)
+    if not isinstance(names, list):
+        with pytest.raises(names):
+            data[chosen]
+        return
+    found = data[chosen]
+    assert found.frame["test"].to_list() == names and len(found) == len(names)
+    assert found.samples(names[-1]).equals(data.samples(names[-1])) and found.plant_name == data.plant_name
+    assert found.logs[0] is data.logs[list(data.frame["test"]).index(names[0])]
+
+
+def test_data_is_gone_through_test_by_test(tmp_path: Path) -> None:
+    data = three_tests(tmp_path)
+    assert [test.frame["test"].to_list() for test in data] == [["up/1"], ["up/2"], ["down/1"]]
+    assert data[1:][0].frame["test"].to_list() == ["up/2"]
 
 
 def test_commands_without_a_function_of_their_own_are_functions_that_say_and_answer(stage: Path) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import plant_called
+from hjcamp.model.checks import plant_bench
 from hjcamp.model.checks.plant_bench import BOTH, SHARES, FarAway, check_within, identified, under_either
 from hjcamp.model.checks.plant_clock import rate_slopes, time_constants
 from hjcamp.model.declare.plant import Plant
@@ -43,15 +44,24 @@ class Cylinder(Plant):
 '''
 
 
-def plant_of(folder: Path, usual: float = 0.05, pull: float = 2.0, lost: float = 0.0) -> type[Plant]:
+def plant_of(folder: Path, usual: float = 0.05, pull: float = 2.0, lost: float = 0.0, idle: bool = False) -> type[Plant]:
     text = CYLINDER.replace("@usual@", repr(usual)).replace("@pull@", f"({pull!r} * parameter.leak / 2.0)")
     text = text.replace("@lost@", f"({lost!r} * parameter.leak * state.pressure)")
+    if idle:
+        text = text.replace("    stroke =", "    idle = Parameter(\"kg\", 1.0, base=True)\n    stroke =")
     (folder / "plants" / "cylinder.py").write_text(text)
     return plant_called("cylinder", "here")
 
 
 @pytest.mark.study
-def test_inputs_that_drive_a_piston_out_of_its_stroke_are_no_reason_to_refuse_a_plant(folder: Path) -> None:
+@pytest.mark.parametrize("far", [0.5 * plant_bench.FAR, plant_bench.FAR, 2.0 * plant_bench.FAR])
+def test_inputs_that_drive_a_piston_out_of_its_stroke_are_no_reason_to_refuse_a_plant(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, far: float
+) -> None:
+    monkeypatch.setattr(plant_bench, "FAR", far)
+    # of a parameter that nothing shows no size of inputs says otherwise
+    with pytest.raises(UsageError, match="the base parameter 'idle' changes nothing that is measured"):
+        identified(plant_of(folder, idle=True))
     # twice 100 V would push it 0.25 m, far beyond its stroke, where nothing tells anything; a hundredth of that does not
     assert identified(plant_of(folder, usual=100.0)).startswith("4 base parameters")
 

@@ -9,15 +9,12 @@ import numpy as np
 from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.decision.borne_out import names_not_borne_out, not_in_windows
 from hjcamp.diagnosis.estimation.intervals import intervals
-from hjcamp.diagnosis.levels import LEVEL, MATTERS, MOST_OF_IT
+from hjcamp.diagnosis.levels import FORGOTTEN, LEVEL, MATTERS, MOST_OF_IT
 from hjcamp.diagnosis.residuals.simulated import ZERO
 from hjcamp.diagnosis.selection.scored import Scored, Step
 from hjcamp.diagnosis.validation.blocks import critical
 from hjcamp.errors import plain
 from hjcamp.model.declare.base_values import DELAY
-
-# After so many times its time constant 95 % of a start are forgotten.
-FORGOTTEN = 3.0
 
 
 def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
