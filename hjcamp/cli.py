@@ -22,8 +22,9 @@ from hjcamp.children import keep_children_safe
 from hjcamp.commands import COMPLETING, PLAIN, Commands
 from hjcamp.commands.shared.page_end import CALL
 from hjcamp.commands.shared.session import free_standard_output
-from hjcamp.commands.shared.streams import begin_in_utf8, memory_is_short, take_streams
+from hjcamp.commands.shared.streams import begin_in_utf8, take_streams
 from hjcamp.errors import HjcampError, text_of, visible
+from hjcamp.memory import guard_memory, memory_is_short
 from hjcamp.storage import shown_path
 
 INTERRUPTED = 130
@@ -61,6 +62,7 @@ def main() -> None:
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     signal.signal(signal.SIGTERM, _terminated)
     keep_children_safe()
+    guard_memory()
     try:
         code = answer_bash() if os.environ.get(COMPLETING) == "complete_bash" else run()
     except KeyboardInterrupt:  # once more, while the first was being answered
@@ -98,8 +100,8 @@ def run(arguments: list[str] | None = None) -> int:
     except BrokenPipeError:
         _close_stdout()
         return 0
-    except MemoryError:
-        return _say("not enough memory", 1)
+    except MemoryError as error:
+        return _say(f"not enough memory: {error}" if str(error) else "not enough memory", 1)
     except OSError as error:
         if error.errno == errno.ENAMETOOLONG:
             return _say(f"{shown_path(Path(str(error.filename)))}: the name is too long for a file", 2)

@@ -17,6 +17,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
 
 from hjcamp.children import safe_children
+from hjcamp.memory import guard_memory
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -139,6 +140,7 @@ def _interrupts_held() -> Iterator[None]:
 def _begin(folder: str, ready: Callable[[], None]) -> None:
     """Begin as a helper; whoever has lost who asks tidies up and ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    guard_memory()
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent, folder), daemon=True).start()

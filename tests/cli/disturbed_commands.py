@@ -22,6 +22,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -102,29 +103,31 @@ def limited(kind: int, value: int) -> Callable[[], None]:
     return before
 
 
-def started(words: str, folder: Path, before: Callable[[], None] | None = None) -> subprocess.Popen[bytes]:
-    """Begin a call in a folder, in a group of its own; what it says goes to a file next to the folder."""
-    command = [sys.executable, "-m", "hjcamp", *words.split()]
-    with said_in(folder).open("wb") as said:
-        return subprocess.Popen(
-            command, cwd=folder, stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT,
-            start_new_session=True, preexec_fn=before,
+class Call(subprocess.Popen[bytes]):
+    """A call in a folder, in a group of its own; a thread keeps what it says, which no limit of the call cuts off."""
+
+    def __init__(self, words: str, folder: Path, before: Callable[[], None] | None = None) -> None:
+        super().__init__(
+            [sys.executable, "-m", "hjcamp", *words.split()], cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT, start_new_session=True, preexec_fn=before,
         )  # fmt: skip
+        self._lines: list[bytes] = []
+        self._keeper = threading.Thread(target=lambda: self._lines.extend(self.stdout or ()), daemon=True)
+        self._keeper.start()
 
+    def ended(self, limit_s: float) -> int | None:
+        """Wait for the call; its code, or None where it had to be ended."""
+        try:
+            return self.wait(limit_s)
+        except subprocess.TimeoutExpired:
+            os.killpg(self.pid, signal.SIGKILL)
+            self.wait()
+            return None
 
-def said_in(folder: Path) -> Path:
-    """Return the file of what a call in a folder says."""
-    return folder.with_suffix(".said")
-
-
-def ended(process: subprocess.Popen[bytes], limit_s: float) -> int | None:
-    """Wait for a call; its code, or None where it had to be ended."""
-    try:
-        return process.wait(limit_s)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-        return None
+    def said(self) -> str:
+        """Return what the call has said; processes that outlive it may hold its output open."""
+        self._keeper.join(WANTED_S)
+        return b"".join(self._lines).decode(errors="replace")
 
 
 def members(group: int) -> list[int]:
@@ -179,25 +182,25 @@ def not_whole(folder: Path) -> list[str]:
     return found
 
 
-def interrupted(process: subprocess.Popen[bytes], chance: random.Random, count: Count) -> tuple[int | None, list[str]]:
+def interrupted(process: Call, chance: random.Random, count: Count) -> tuple[int | None, list[str]]:
     """Ctrl-C twice, as a terminal sends it: to the whole group."""
     os.killpg(process.pid, signal.SIGINT)
     time.sleep(chance.uniform(0.0, 0.5))
     if process.poll() is None:
         os.killpg(process.pid, signal.SIGINT)
     began = time.monotonic()
-    code = ended(process, OUT_S)
+    code = process.ended(OUT_S)
     count.out_s.append(time.monotonic() - began)
     return code, ["processes go on"] if outlive(process.pid) else []
 
 
-def killed(process: subprocess.Popen[bytes], chance: random.Random) -> tuple[int | None, list[str]]:
+def killed(process: Call, chance: random.Random) -> tuple[int | None, list[str]]:
     """Kill the whole group, as a power cut does, or its first process alone, as a system short of memory does."""
     if chance.random() < 0.5:
         os.killpg(process.pid, signal.SIGKILL)
     else:
         process.kill()
-    code = ended(process, OUT_S)
+    code = process.ended(OUT_S)
     return code, ["processes outlive it"] if outlive(process.pid) else []
 
 
@@ -213,7 +216,7 @@ def disturb(
     elif way == "disk":
         before = limited(resource.RLIMIT_FSIZE, chance.choice(DISK_BYTES))
     logs = logs_of(folder)
-    process = started(words, folder, before)
+    process = Call(words, folder, before)
     found: list[str] = []
     try:
         code: int | None = process.wait(LIMIT_S if before else chance.uniform(0.0, long_s))
@@ -224,9 +227,11 @@ def disturb(
         elif way == "interrupt":
             code, found = interrupted(process, chance, count)
         else:
-            code = ended(process, 0.0)
+            code = process.ended(0.0)
     count.codes[f"{way} {code}"] += 1
-    return code, found + faults(way, code, said_in(folder).read_text(errors="replace"), folder, logs)
+    said = process.said()
+    found += faults(way, code, said, folder, logs)
+    return code, [*found, " ".join(said.split())[-300:]] if found else []
 
 
 def faults(way: str, code: int | None, said: str, folder: Path, logs: dict[str, str]) -> list[str]:
@@ -249,8 +254,8 @@ def faults(way: str, code: int | None, said: str, folder: Path, logs: dict[str, 
 
 def again(words: str, folder: Path) -> list[str]:
     """Make the same call undisturbed in the folder that a disturbed one left; return what is wrong with that."""
-    code = ended(started(words, folder), LIMIT_S)
-    said = said_in(folder).read_text(errors="replace")
+    call = Call(words, folder)
+    code, said = call.ended(LIMIT_S), call.said()
     refused = code == 2 and " exists" in said  # what the first call had finished is not written over
     return [] if code == 0 or refused else [f"the same call gives {code} afterwards: {said[-300:]}"]
 
@@ -260,9 +265,10 @@ def undisturbed(words: str, original: Path) -> float:
     folder = original.with_name("undisturbed")
     shutil.copytree(original, folder)
     began = time.monotonic()
-    code = ended(started(words, folder), LIMIT_S)
+    call = Call(words, folder)
+    code = call.ended(LIMIT_S)
     long_s = time.monotonic() - began
-    assert code == 0, f"{words}: {code}: {said_in(folder).read_text()}"
+    assert code == 0, f"{words}: {code}: {call.said()}"
     shutil.rmtree(folder)
     return long_s
 
@@ -287,8 +293,7 @@ def disturb_all(given: argparse.Namespace, original: Path, count: Count) -> None
                     found += again(words, folder)
                 if found:
                     count.faults += 1
-                    said = " ".join(said_in(folder).read_text(errors="replace").split())[-300:]
-                    print(f"FAULT {command}, {way}: {'; '.join(found)}: {said}", flush=True)
+                    print(f"FAULT {command}, {way}: {'; '.join(found)}", flush=True)
                 shutil.rmtree(folder)
 
 

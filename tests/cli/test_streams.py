@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 from hjcamp import cli
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
+from hjcamp.memory import NEEDED_MB
 from hjcamp.model.files.user_file import load_module
 from hjcamp.records.recover import verify_log
 
@@ -90,11 +92,29 @@ def test_a_choice_that_puts_itself_elsewhere_is_named(empty_folder: Path, group:
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="asks Linux")
 def test_little_memory_is_told_from_a_mistake() -> None:
-    code = "import resource, sys\nfrom hjcamp.commands.shared.streams import LIBRARY_BYTES, memory_is_short\n"
+    code = "import resource, sys\nfrom hjcamp.memory import LIBRARY_MB, memory_is_short\n"
     code += "assert not memory_is_short()\n"
     code += "used = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
-    code += "resource.setrlimit(resource.RLIMIT_AS, (used + LIBRARY_BYTES // 2,) * 2)\nassert memory_is_short()\n"
+    code += "resource.setrlimit(resource.RLIMIT_AS, (used + LIBRARY_MB * 2**19,) * 2)\nassert memory_is_short()\n"
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="asks Linux")
+@pytest.mark.parametrize("library", NEEDED_MB)
+def test_a_library_that_has_no_room_is_not_loaded(library: str) -> None:
+    needed = NEEDED_MB[library]
+    lines = (
+        "import resource",
+        "from hjcamp import cli, memory",
+        "used = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()",
+        f"resource.setrlimit(resource.RLIMIT_AS, (used + {needed - 20} * 2**20, resource.RLIM_INFINITY))",
+        "memory.guard_memory()",
+        f"cli.app = lambda **words: __import__('{library}')",
+        "raise SystemExit(cli.run(['ls']))",
+    )
+    done = subprocess.run([sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1, done.stderr
+    assert re.fullmatch(rf"hjcamp: not enough memory: .* leaves \d+ MB, and {library} takes {needed}\n", done.stderr)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")

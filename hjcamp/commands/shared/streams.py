@@ -1,4 +1,4 @@
-"""What a command finds: streams that are closed or of another encoding, a terminal that obeys what it is told, little memory."""
+"""What a command finds: streams that are closed or of another encoding, a terminal that obeys what it is told."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ from contextlib import suppress
 from typing import Any, TextIO
 
 from hjcamp.errors import visible
-
-LIBRARY_BYTES = 512 * 2**20
 
 
 class Visible:
@@ -45,19 +43,6 @@ def take_streams() -> None:
             with suppress(ValueError):
                 stream.reconfigure(errors="backslashreplace")
         setattr(sys, name, Visible(stream))
-
-
-def memory_is_short() -> bool:
-    """Return whether a limit of the system (ulimit -v) leaves less than a library takes: its import fails in odd ways then."""
-    try:
-        import resource
-
-        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-        with open("/proc/self/statm", encoding="ascii") as stream:
-            used = int(stream.read().split()[0]) * resource.getpagesize()
-    except (ImportError, OSError, ValueError):
-        return False
-    return limit != resource.RLIM_INFINITY and limit - used < LIBRARY_BYTES
 
 
 def begin_in_utf8() -> None:
