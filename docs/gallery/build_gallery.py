@@ -22,7 +22,7 @@ TOUR = ROOT / "hjcamp" / "plants" / "pump_joint" / "tour" / "spindle"
 IMAGES = ROOT / "docs" / "images"
 BEGIN, END = "<!-- sample: written by `make gallery` -->", "<!-- end of sample -->"
 #: The sentences below the verdict that every case would repeat.
-LEFT_OUT = ("No test was repeated", "floor unknown", "Whole tests:", "Nothing that depends on where the body")
+LEFT_OUT = ("No test was repeated", "noise floor unknown", "Whole tests:", "Nothing that depends on where the body")
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,18 @@ CASES = (
         "The recording, the model's errors before, and with what was found.",
     ),
     Case(
+        "one_of_outside",
+        "One of several effects, and something outside the library",
+        "A belt pulls the spindle one way, harder at some speeds than at others. No effect of the library pulls like that.",
+        "What pulls one way has two names, as before, and neither has quite the form: a part of the error remains that follows from "
+        "the speed. The answer names both effects, says how much a function without any form still explains, and draws it.",
+        "`hjcamp effects new belt --from diagnose` writes an effect with what is missing in addition; a rest in a recording would "
+        "decide between the two names.",
+        ("belt_1", "belt_2"),
+        "worst_test.svg",
+        "The worst recording: the error with the constants estimated, and with what was found.",
+    ),
+    Case(
         "outside",
         "Something outside the library, with its driver",
         "A seal rubs most at one speed, about 220 rad/s, and less at lower and higher ones. No effect of the library has that form.",
@@ -102,13 +114,24 @@ CASES = (
         "Another specimen",
         "A second spindle of the same kind: its rotor is heavier, its bearing stiffer than the file says. Nothing is missing.",
         "Constants that differ from machine to machine are no missing effect. With the file's own constants the error is many times "
-        "the noise; with those estimated here it is the noise, and nothing is left to explain.",
-        "`hjcamp calibrate LOGS --as NAME` keeps the constants of this specimen. Diagnose one specimen at a time: recordings of two "
-        "under one set of constants end in CANNOT TELL.",
+        "the noise; with those estimated here it is the noise, and nothing remains to be explained.",
+        "`hjcamp calibrate LOGS --as NAME` keeps the constants of this specimen.",
         ("other_1",),
         "windows.svg",
         "The windows that are predicted worst, with the file's constants and with those estimated here.",
         verb="compare",
+    ),
+    Case(
+        "specimens",
+        "Two specimens in one set",
+        "A recording of the spindle of *nothing is missing* and one of the second spindle, with no word which is which.",
+        "No one set of constants fits both, and no effect explains that. Constants estimated for each recording alone do; those "
+        "that differ are named with their values.",
+        "Calibrate and diagnose each specimen with its own recordings; or give what differs with each test "
+        "(`hjcamp explain 'differs by condition'`).",
+        ("plain_1", "other_1"),
+        "worst_test.svg",
+        "The worst recording, and the error of one set of constants for both spindles.",
     ),
     Case(
         "wrong_log",
@@ -170,9 +193,7 @@ def shown(text: str) -> str:
     kept, skipping = [], False
     for line in text.splitlines():
         begins = line.startswith("        ") and not line.startswith("          ")
-        skipping = (skipping and not begins and line.startswith("          ")) or (
-            begins and line.strip().startswith(LEFT_OUT)
-        )
+        skipping = (skipping and not begins and line.startswith("          ")) or (begins and line.strip().startswith(LEFT_OUT))
         if not skipping and not re.match(r" +\d+:\d\d  |page    ", line):
             kept.append(line.rstrip())
     return "\n".join(kept).strip("\n")

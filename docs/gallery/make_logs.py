@@ -1,6 +1,6 @@
 """Make the recordings of docs/gallery.md and of `hjcamp tour --plant`: a spindle, solved by small steps of its own, without hjcamp.
 
-    python docs/gallery/make_logs.py
+python docs/gallery/make_logs.py
 """
 
 from __future__ import annotations
@@ -50,9 +50,14 @@ def pull(speed: float) -> float:
     return 0.002
 
 
-def turned_round(rows: int) -> list[float]:
-    """Five long runs, four turns of direction."""
-    return [(8.0, -6.0, 5.0, -8.0, 7.0)[5 * row // rows] for row in range(rows)]
+def fluttering_pull(speed: float) -> float:
+    """A belt pulls one way, harder at some speeds than at others, N m."""
+    return 0.002 + 0.0006 * math.sin(speed / 60.0)
+
+
+def turned_round(rows: int, volts: Sequence[float] = (8.0, -6.0, 5.0, -8.0, 7.0)) -> list[float]:
+    """Long runs at a voltage each, and the direction turns in between."""
+    return [volts[len(volts) * row // rows] for row in range(rows)]
 
 
 def record(
@@ -86,9 +91,13 @@ def main() -> None:
         ("other", nothing, OTHER_SPINDLE, (8,)),
     ):
         for number, seed in enumerate(seeds, start=1):
-            record(HERE / f"{name}_{number}.csv", steps(seed, 1500), seed, law, small=FINE if name == "plain" else SMALL, **spindle)
+            record(
+                HERE / f"{name}_{number}.csv", steps(seed, 1500), seed, law, small=FINE if name == "plain" else SMALL, **spindle
+            )
     record(HERE / "short.csv", steps(9, 300), 9, drag, **SPINDLE)
     record(HERE / "turns.csv", turned_round(1500), 10, pull, noise=3.0, **SPINDLE)
+    record(HERE / "belt_1.csv", turned_round(1500), 21, fluttering_pull, noise=1.0, **SPINDLE)
+    record(HERE / "belt_2.csv", turned_round(1500, (-5.0, 7.0, -8.0, 6.0, -7.0)), 22, fluttering_pull, noise=1.0, **SPINDLE)
 
 
 if __name__ == "__main__":

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
+from hjcamp import cli
+
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "docs" / "gallery"))
+import build_gallery  # noqa: E402
 from build_gallery import CASES, Case, command, run, shown  # noqa: E402
 
 PAGE = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
@@ -31,7 +36,15 @@ def test_each_answer_has_a_case_with_its_command_and_picture() -> None:
 
 
 @pytest.mark.parametrize("case", [one for one in CASES if one.name in CHEAPEST], ids=lambda case: case.name)
-def test_a_case_is_what_the_command_gives(case: Case, tmp_path: Path) -> None:
+def test_a_case_is_what_the_command_gives(
+    case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def in_this_process(words: Sequence[str], folder: Path) -> str:
+        with contextlib.chdir(folder):
+            assert cli.run(list(words)) == 0
+        return capsys.readouterr().out
+
+    monkeypatch.setattr(build_gallery, "hjcamp", in_this_process)
     run(case, tmp_path / "case")
     given = shown((tmp_path / "case" / "out.txt").read_text(encoding="utf-8"))
     # of a comparison the line of the model whose constants were estimated

@@ -150,7 +150,8 @@ class Words:
         found = []
         library = self.analysis.search.library
         if verdict.word == "cannot_tell":
-            found += [f"{one}." for one in verdict.lacking]
+            # what a bound holds may make all the rest: it is said first
+            found += [*held_by_bounds(self.content["calibration"]), *(f"{one}." for one in verdict.lacking)]
         if verdict.word == "effect":
             found += [f"{name}: {library[name].sentence()}" for name in verdict.effects]
         if verdict.word == "one_of":
@@ -240,7 +241,11 @@ class Words:
         found += ends_of_laws(verdict.effects, self.content["candidates"], effects)
         if not verdict.effects:
             found += no_memory_words(self.content["candidates"], effects, self.analysis.search.shortest_memory)
-        found += untold(self.analysis) + held_by_bounds(rows) + late_inputs(late, verdict.effects, period)
+        found += (
+            untold(self.analysis)
+            + ([] if verdict.word == "cannot_tell" else held_by_bounds(rows))
+            + late_inputs(late, verdict.effects, period)
+        )
         found += end_words(self.content["ends"]) + run_away_words(self.content) + still_words(self.content["still"])
         left = not verdict.effects and bool(verdict.p_value <= LEVEL or self.far_off)
         found += never_alone(library) + plant_hints(self.analysis.windows, late, self.content["unknowns"][:1], left)
@@ -303,7 +308,10 @@ class Words:
                 return ["hjcamp calibrate LOGS_OF_ONE --as NAME   # each specimen or condition by itself"]
             begun = f" --from {folder}" if curve else ""
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
-        rivals = self.verdict.word == "cannot_tell" and any(left_of(row) < 1.0 for row in self.content["candidates"])
+        held = any(row.get("held") for row in self.content["calibration"].values())
+        rivals = (
+            self.verdict.word == "cannot_tell" and not held and any(left_of(row) < 1.0 for row in self.content["candidates"])
+        )
         return [*([f"hjcamp next {paths}{own}"] if rivals else []), f"hjcamp compare {paths}{own}"]
 
 
