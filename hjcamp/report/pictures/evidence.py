@@ -151,9 +151,7 @@ def draw_worst_test(
 ) -> str:
     """Return the worst test: measured (n,) and each model's prediction above, their residuals below; SI or field units."""
     label, scaled = readable(quantity, unit, measured, *(values for _, values in models))
-    residual, [_, *left] = readable(
-        f"residual: model - {observed}", unit, measured, *(values - measured for _, values in models)
-    )
+    residual, [_, *left] = readable("residual", unit, measured, *(values - measured for _, values in models))
 
     def paint(figure: Any) -> None:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1))
@@ -165,6 +163,7 @@ def draw_worst_test(
         above.set_title(title, color=INK, fontsize=9, loc="left")
         above.legend(fontsize=7.5, frameon=False, ncols=3)
         above.margins(y=0.2)
+        below.set_title(f"residual: model - {observed}", color=INK, fontsize=7.5, loc="left")
         dress(above, label)
         dress(below, residual)
         below.set_xlabel("time (s)", color=INK, fontsize=8.5)
