@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -81,22 +81,27 @@ def effects(
         case ["new" | "test", *_]:
             raise UsageError(f"give one name: {USAGE}")
         case [name, *overrides]:
-            from hjcamp.commands.shared.session import check_picture
-            from hjcamp.known_plants import plant_called
+            show_one(name, overrides, plant, figure, no_figure, json)
 
-            own = plant_called(plant or DEFAULT).room_of("effects")
-            pictured, asked = is_pictured(name, plant or DEFAULT), bool(figure or overrides) and not no_figure
-            if asked and not pictured:
-                raise UsageError(f"effect {name}: pictures are of tests of {DEFAULT}; leave out --figure and overrides")
-            config = own.configured(overrides) if own and asked else None
-            path = figure or Path(f"effect_{name}.png")
-            if asked:
-                check_picture(path)
-            write_answer(json, show_effect(name, plant))
-            if own and config is not None:
-                own.draw(name, config, path)
-            elif pictured and not no_figure:
-                print(f"  picture  hjcamp effects {name} --figure {path}")
+
+def show_one(name: str, overrides: Sequence[str], plant: str, figure: Path | None, no_figure: bool, json: Path | None) -> None:
+    """Print one effect, and draw tests without and with it where a picture is asked for."""
+    from hjcamp.commands.shared.session import check_picture, write_answer
+    from hjcamp.known_plants import plant_called
+
+    own = plant_called(plant or DEFAULT).room_of("effects")
+    pictured, asked = is_pictured(name, plant or DEFAULT), bool(figure or overrides) and not no_figure
+    if asked and not pictured:
+        raise UsageError(f"effect {name}: pictures are of tests of {DEFAULT}; leave out --figure and overrides")
+    config = own.configured(overrides) if own and asked else None
+    path = figure or Path(f"effect_{name}.png")
+    if asked:
+        check_picture(path)
+    write_answer(json, show_effect(name, plant))
+    if own and config is not None:
+        own.draw(name, config, path)
+    elif pictured and not no_figure:
+        print(f"  picture  hjcamp effects {name} --figure {path}")
 
 
 def write_catalogue(folder: Path) -> None:

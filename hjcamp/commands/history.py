@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError, counted
 from hjcamp.storage import shown_path
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 
 def register(app: typer.Typer) -> None:
@@ -32,8 +36,6 @@ def history(
     A row tells the mean over the conditions that all rows share, and how many of them differ from the row before
     (Welch's t test with Holm's correction, p < 0.05).
     """
-    from rich.table import Table
-
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.campaign.runs.finding import FOLDERS, find_runs
     from hjcamp.campaign.runs.history import history_rows, moments_of, read_words
@@ -54,6 +56,25 @@ def history(
     answer = {"schema": "hjcamp.history/1", "indicator": indicator, "over": over, "conditions": shared, "rows": rows}
     write_answer(json, {**answer, "without_report": without})
     console = make_console()
+    console.print(table_of(rows, indicator))
+    said = f"deg, mean over {counted(len(shared), 'condition')} ± its standard error"
+    console.print(
+        f"  {said}; changed: conditions that differ from the row before, the largest named", style="dim", markup=False
+    )
+    if without:
+        none = counted(len(without), "run has", "runs have")
+        console.print(f"  {none} no report: {', '.join(without[:3])}", markup=False, soft_wrap=True)
+    labels = [row["commit"] if over == "commits" and row["commit"] else row["started"][:16] for row in rows]
+    title = " ".join(filters)
+    if figure is not None:
+        draw_history(figure, f"{title}: {indicator}", indicator, rows, labels)
+        console.print(f"  picture  {figure}", markup=False, soft_wrap=True)
+
+
+def table_of(rows: Sequence[Mapping[str, Any]], indicator: str) -> Table:
+    """Return the table of a history: a row for each run or commit, with the condition that differs most from the row before."""
+    from rich.table import Table
+
     table = Table(box=None, header_style="bold", pad_edge=False)
     for heading in ("commit", "started", "tests", indicator, "changed", "run"):
         table.add_column(heading, justify="right" if heading in ("tests", indicator) else "left", overflow="fold")
@@ -70,16 +91,4 @@ def history(
             row["run"],
         )
         table.add_row(*cells)
-    console.print(table)
-    said = f"deg, mean over {counted(len(shared), 'condition')} ± its standard error"
-    console.print(
-        f"  {said}; changed: conditions that differ from the row before, the largest named", style="dim", markup=False
-    )
-    if without:
-        none = counted(len(without), "run has", "runs have")
-        console.print(f"  {none} no report: {', '.join(without[:3])}", markup=False, soft_wrap=True)
-    labels = [row["commit"] if over == "commits" and row["commit"] else row["started"][:16] for row in rows]
-    title = " ".join(filters)
-    if figure is not None:
-        draw_history(figure, f"{title}: {indicator}", indicator, rows, labels)
-        console.print(f"  picture  {figure}", markup=False, soft_wrap=True)
+    return table

@@ -11,7 +11,10 @@ from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import HjcampError, UsageError, counted
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from hjcamp.records.log import TestLog
+    from hjcamp.report.build import Report
 
 SHOWN = 20
 
@@ -39,17 +42,16 @@ def report(
     json: AnswerFile = None,
 ) -> None:
     """Make tables and the report page of a run folder or of logs, beside the published values."""
-    from hjcamp.campaign.execution.console import bold, make_console
+    from hjcamp.campaign.execution.console import make_console
     from hjcamp.campaign.further_pictures import further_pictures
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.report.answer import report_answer
-    from hjcamp.report.build import AGAINST, build_report
+    from hjcamp.report.build import build_report
     from hjcamp.report.check import check as check_cells
     from hjcamp.report.check import read_tolerances
     from hjcamp.report.ci import junit_xml, summary_markdown
-    from hjcamp.report.tables.factors import MOST_ROWS, effects_sheet
+    from hjcamp.report.reading import AGAINST
     from hjcamp.report.tables.store import replace_file
-    from hjcamp.report.tables.terminal import FittedSheet
     from hjcamp.storage import check_place, own_folder
 
     check_answer_file(json)
@@ -66,16 +68,7 @@ def report(
     target = output or (None if repetition is None else own_folder(path / f"repetition_{repetition}"))
     made = build_report(path, against=against, output=target, logs=logs, further=further_pictures, template=template)
     console = make_console()
-    console.print(FittedSheet(made.conditions))
-    for sheet in made.sheets:
-        console.print(bold(sheet.title, before="\n"))
-        console.print(FittedSheet(sheet))
-    if (found := effects_sheet(made.effects, MOST_ROWS)) is not None:
-        console.print(bold(found.title, before="\n"))
-        console.print(FittedSheet(found))
-    if made.verdict:
-        console.print(f"  {made.verdict}", markup=False)
-    console.print(f"  report  {made.page}", markup=False, soft_wrap=True)
+    print_report(console, made)
     violations = None if tolerances is None else check_cells(made.comparison, tolerances, made.differs)
     if summary is not None:
         sheets = [*made.sheets, made.conditions]
@@ -89,6 +82,24 @@ def report(
             lines = "\n  ".join(map(str, violations[:SHOWN]))
             raise HjcampError(f"{counted(len(violations), 'mean is', 'means are')} outside the tolerances\n  {lines}{more}")
         console.print("  check   every mean is within the tolerances")
+
+
+def print_report(console: Console, made: Report) -> None:
+    """Print the tables of a report, how far its means are from what they are compared with, and where the page is."""
+    from hjcamp.campaign.execution.console import bold
+    from hjcamp.report.tables.factors import MOST_ROWS, effects_sheet
+    from hjcamp.report.tables.terminal import FittedSheet
+
+    console.print(FittedSheet(made.conditions))
+    for sheet in made.sheets:
+        console.print(bold(sheet.title, before="\n"))
+        console.print(FittedSheet(sheet))
+    if (found := effects_sheet(made.effects, MOST_ROWS)) is not None:
+        console.print(bold(found.title, before="\n"))
+        console.print(FittedSheet(found))
+    if made.verdict:
+        console.print(f"  {made.verdict}", markup=False)
+    console.print(f"  report  {made.page}", markup=False, soft_wrap=True)
 
 
 def of_repetition(path: Path, repetition: int) -> list[TestLog]:

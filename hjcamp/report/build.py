@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import polars as pl
 
 from hjcamp.errors import UsageError, counted, unknown
-from hjcamp.report.against_run import RunComparison, read_tests, tests_of
+from hjcamp.report.against_run import RunComparison, tests_of
 from hjcamp.report.ci import metrics_json, params_yaml
-from hjcamp.report.pages.exploration import REFERENCE, Exploration, names_of
 from hjcamp.report.pages.explorer import explorer_html
 from hjcamp.report.pages.page import Picture, build_page
 from hjcamp.report.pictures.conditions import draw_condition
 from hjcamp.report.pictures.dot_plot import Dots, dots_of, draw_dots
 from hjcamp.report.pictures.main_effects import CAPTION, draw_main_effects
-from hjcamp.report.runs.indicators import COLUMNS, FURTHER, IDENTITY, INDICATORS, configuration, row_of, varied_columns
+from hjcamp.report.reading import AGAINST, LogsOfRun, read_logs
+from hjcamp.report.runs.indicators import COLUMNS, FURTHER, IDENTITY, INDICATORS, configuration, varied_columns
 from hjcamp.report.runs.origin import RunOrigin, origin_facts, read_origin, states_of_tests
 from hjcamp.report.runs.published import beside_refit
-from hjcamp.report.runs.spread import Condition, Gathering
-from hjcamp.report.runs.varied import frame_with_varied
+from hjcamp.report.runs.spread import Condition
 from hjcamp.report.tables.aggregation import (
     FAR_OFF,
     against_published,
@@ -42,9 +40,7 @@ from hjcamp.report.tables.store import replace_file, write_frame
 
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
-    from hjcamp.records.sets.look import InSet
 
-AGAINST = ("published",)
 INTERNAL = pl.selectors.ends_with("_decimals", "_printed") | pl.selectors.starts_with("_")
 #: From logs to further pictures of the page: heading -> (SVG, caption).
 Pictures = Callable[[Sequence["TestLog"]], dict[str, tuple[str, str]]]
@@ -92,9 +88,7 @@ def build_report(
     The logs of the folder are read one after the other. `UsageError` where there is no log, a log that cannot be
     read, an unknown ``against`` or table, or a baseline that has no condition of this run.
     """
-    from hjcamp.records.find import refuse_mixed_plants, tell
     from hjcamp.records.run_folder import refuse_links_out
-    from hjcamp.records.stored import stored_logs
 
     if against is not None and against not in AGAINST and not Path(against).exists():
         raise unknown("comparison", against, (*AGAINST, "a run folder"), "--against")
@@ -104,31 +98,11 @@ def build_report(
     origin = read_origin(run_dir)
     if origin.plan and target == run_dir:
         refuse_links_out(target)
-    left_out: list[str] = []
-    doubtful: list[str] = []
-
-    def leave_out(text: str) -> None:
-        left_out.append(text.replace(f"{run_dir}{os.sep}", ""))
-        tell(text)
-
-    found = list(logs) if logs is not None else stored_logs([run_dir], leave_out)
-    if not found:
-        raise UsageError(f"{run_dir}: there are no test logs to report on")
-    refuse_mixed_plants(found)
-    found = in_plan_order(found, origin)
-    baseline = read_tests(Path(against)) if against is not None and against not in AGAINST else None
-    indicators, spreads, in_sets, shown = _condensed(found, origin, run_dir)
-    for one in in_sets:
-        line = f"{one.log.path} {one.finding.text}"
-        if counts_not(one):
-            leave_out(line)
-            found.remove(one.log)
-        elif one.original is None:
-            tell(line)
-            doubtful.append(line.replace(f"{run_dir}{os.sep}", ""))
+    read = read_logs(run_dir, origin, logs, against)
+    indicators = read.indicators
     beside: str | RunComparison | None = against
-    if baseline is not None:
-        beside = runs = RunComparison(tests_of(str(run_dir), indicators, found), baseline)
+    if read.baseline is not None:
+        beside = runs = RunComparison(tests_of(str(run_dir), indicators, read.logs), read.baseline)
         runs.refuse_without_pairs()
     definitions = _with_rows(declared_tables(origin.tables), indicators)
     tables = {one.name: build_table(indicators, one, beside) for one in definitions}
@@ -138,43 +112,43 @@ def build_report(
     conditions = by_condition(indicators, beside)
     factors = factors_of(origin)
     effects = effects_of(factors, indicators)
-    if effects.height:
-        write_frame(target / "tables", "effects", effects)
     differs = differences(conditions.iter_rows(named=True))
-    write_frame(target / "tables", "indicators", indicators.select(*COLUMNS, *IDENTITY, *FURTHER, *varied_columns(indicators)))
-    for name, sheet in zip(tables, sheets, strict=True):
-        write_frame(target / "tables", name, tables[name].select(~INTERNAL))
-        replace_file(target / "tables" / f"{name}.md", to_markdown(sheet))
-        replace_file(target / "tables" / f"{name}.tex", to_latex(sheet))
-    replace_file(target / "metrics.json", metrics_json(conditions))
-    if origin.plan:
-        replace_file(target / "params.yaml", params_yaml(origin.plan))
+    _write_tables(target, origin, indicators, tables, sheets, conditions, effects)
     by_name = arrange_conditions(conditions, compared.notes if compared else ())
     found_effects = effects_sheet(effects)
     lines = arrange_lines(lines_by_condition(indicators))
     all_sheets = [*([found_effects] if found_effects else []), *sheets, by_name, *lines]
-    more = {**_main_effects(factors, indicators, effects), **(further(found) if further else {})}
+    more = {**_main_effects(factors, indicators, effects), **(further(read.logs) if further else {})}
     said = compared.verdict if compared else verdict(comparison, differs) if against else ""
-    dots = _dots(conditions, found)
-    refitted = beside_refit(conditions) if against in AGAINST and _as_printed(found) else None
-    notes = [*(("left out", text) for text in left_out), *(("doubtful", text) for text in doubtful)]
-    page = _page(run_dir, origin, found, spreads, all_sheets, said, more, notes, shown, dots, refitted, template)
-    replace_file(target / "report.html", page)
-    return Report(
-        run_dir,
-        target / "report.html",
-        indicators,
-        tables,
-        sheets,
-        conditions,
-        by_name,
-        comparison,
-        differs,
-        said,
-        compared,
-        refitted,
-        effects,
-    )
+    dots = _dots(conditions, read.logs)
+    refitted = beside_refit(conditions) if against in AGAINST and _as_printed(read.logs) else None
+    page = target / "report.html"
+    replace_file(page, _page(run_dir, origin, read, all_sheets, said, more, dots, refitted, template))
+    made = (run_dir, page, indicators, tables, sheets, conditions, by_name, comparison, differs, said, compared)
+    return Report(*made, refitted=refitted, effects=effects)
+
+
+def _write_tables(
+    target: Path,
+    origin: RunOrigin,
+    indicators: pl.DataFrame,
+    tables: Mapping[str, pl.DataFrame],
+    sheets: Sequence[Sheet],
+    conditions: pl.DataFrame,
+    effects: pl.DataFrame,
+) -> None:
+    """Write the frames of a report as files, the declared tables as Markdown and LaTeX too, and what a CI job reads."""
+    folder = target / "tables"
+    if effects.height:
+        write_frame(folder, "effects", effects)
+    write_frame(folder, "indicators", indicators.select(*COLUMNS, *IDENTITY, *FURTHER, *varied_columns(indicators)))
+    for name, sheet in zip(tables, sheets, strict=True):
+        write_frame(folder, name, tables[name].select(~INTERNAL))
+        replace_file(folder / f"{name}.md", to_markdown(sheet))
+        replace_file(folder / f"{name}.tex", to_latex(sheet))
+    replace_file(target / "metrics.json", metrics_json(conditions))
+    if origin.plan:
+        replace_file(target / "params.yaml", params_yaml(origin.plan))
 
 
 def _main_effects(factors: Sequence[Factor], indicators: pl.DataFrame, effects: pl.DataFrame) -> dict[str, tuple[str, str]]:
@@ -194,69 +168,6 @@ def _as_printed(logs: Sequence[TestLog]) -> bool:
         return False
     models = (configuration(log.attachments.get("config.yaml", b"")).get("model") for log in logs)
     return all(not isinstance(one, dict) or one.get("name") in (None, "published") for one in models)
-
-
-def in_plan_order(logs: Sequence[TestLog], origin: RunOrigin) -> list[TestLog]:
-    """Return the logs sorted by the conditions of the plan, then by repetition; others after them as they came."""
-    place = {name: number for number, name in enumerate(origin.condition_order)}
-
-    def key(log: TestLog) -> tuple[int, int]:
-        repetition = log.metadata.get("repetition", "")
-        return place.get(log.condition_key, len(place)), int(repetition) if repetition.isdecimal() else 0
-
-    return sorted(logs, key=key) if place else list(logs)
-
-
-def _condensed(
-    logs: Sequence[TestLog], origin: RunOrigin, folder: Path
-) -> tuple[pl.DataFrame, list[Condition], list[InSet], Exploration]:
-    """Return the indicators of all logs, the spread of each condition, what the logs say as a set, and what the explorer shows.
-
-    Copies are left out. The logs of one condition are read once and let go, all once more without those that are copies of a log of
-    another condition.
-    """
-    from hjcamp.records.log import observed
-    from hjcamp.records.sets.glance import Glance, glance_at
-    from hjcamp.records.sets.look import look_across, look_at_condition
-    from hjcamp.records.stored import kept
-
-    shown = Exploration(len(logs), [REFERENCE], observed=observed(logs))
-    names = names_of(logs)
-    groups: dict[str, list[int]] = {}
-    for place, log in enumerate(logs):
-        groups.setdefault(log.condition_key, []).append(place)
-    rows: dict[int, dict[str, Any]] = {}
-    spreads = []
-    in_sets: list[InSet] = []
-    glances: list[Glance] = []
-    for name, places in groups.items():
-        gathering, group = Gathering(name), [logs[place] for place in places]
-        with kept(group):
-            found = look_at_condition(group)
-            for place in (place for place in places if not any(one.log is logs[place] and counts_not(one) for one in found)):
-                glances.append(glance_at(logs[place], glances))
-                rows[place] = row_of(logs[place], folder)
-                gathering.add(logs[place])
-                shown.add_log(names[place], logs[place])
-        in_sets += found
-        spreads.append(gathering.condition())
-    across = look_across(glances)
-    if again := [one for one in across if counts_not(one)]:
-        rest = [log for log in logs if not any(one.log is log for one in again)]
-        indicators, conditions, others, explored = _condensed(rest, origin, folder)
-        return indicators, conditions, [*again, *others], explored
-    attached = [logs[place].attachments.get("config.yaml", b"") for place in sorted(rows)]
-    return (
-        frame_with_varied([rows[place] for place in sorted(rows)], attached, origin.axes),
-        spreads,
-        [*in_sets, *across],
-        shown,
-    )
-
-
-def counts_not(one: InSet) -> bool:
-    """Whether a log is a copy of another one; repetitions of a simulation without scatter keep their rows."""
-    return one.original is not None and not one.simulated
 
 
 def _dots(conditions: pl.DataFrame, logs: Sequence[TestLog]) -> list[Dots]:
@@ -299,17 +210,15 @@ def verdict(comparison: pl.DataFrame, differs: Mapping[str, Sequence[str]]) -> s
 def _page(
     run_dir: Path,
     origin: RunOrigin,
-    logs: Sequence[TestLog],
-    spreads: Sequence[Condition],
+    read: LogsOfRun,
     sheets: Sequence[Sheet],
     verdict_text: str,
     more: dict[str, tuple[str, str]],
-    notes: Sequence[tuple[str, str]],
-    shown: Exploration,
     dots: Sequence[Dots],
-    beside: Sheet | None,
+    refitted: Sheet | None,
     template: Path | None,
 ) -> Iterator[str]:
+    logs, spreads = read.logs, read.spreads
     tests = Counter(log.condition_key for log in logs)
     pictures = {}
     for one in spreads:
@@ -322,20 +231,20 @@ def _page(
     repetitions = {log.metadata.get("repetition", "") for log in logs}
     if len(repetitions) == 1 and (one_alone := repetitions.pop()) not in ("", "1"):
         facts.insert(1, f"repetition {one_alone} alone")
-    for kind in dict.fromkeys(kind for kind, _ in notes):
-        facts.append(f"{counted(sum(kind == one for one, _ in notes), 'log')} {kind}, see below")
+    for kind in dict.fromkeys(kind for kind, _ in read.notes):
+        facts.append(f"{counted(sum(kind == one for one, _ in read.notes), 'log')} {kind}, see below")
     return build_page(
         title=campaign,
         facts=[*facts, *filter(None, [str(origin.plan.get("description") or "")])],
         verdict=verdict_text,
         overview=_overview(spreads, dots),
         small=spreads,
-        explorer=explorer_html(shown),
+        explorer=explorer_html(read.shown),
         sheets=sheets,
-        beside=beside,
+        beside=refitted,
         pictures=pictures,
         further=more,
-        origin=[*origin_facts(origin, logs), *notes],
+        origin=[*origin_facts(origin, logs), *read.notes],
         command=origin.command,
         configuration=origin.config_text,
         template=template,

@@ -24,7 +24,8 @@ def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
     with progress_of(console) as report:
         from hjcamp.analyses.diagnosing import diagnose_plant
         from hjcamp.commands.any_plant.pages import write_diagnosis
-        from hjcamp.commands.any_plant.verdict_words import Words, print_diagnosis
+        from hjcamp.commands.any_plant.printed_diagnosis import print_diagnosis
+        from hjcamp.commands.any_plant.verdict_words import Words
 
         done = diagnose_plant(data, asked, report)
         write_answer(json, done.content)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.untold import untold
 from hjcamp.commands.any_plant.bound_words import ends_of_laws, held_by_bounds, late_inputs, other_sizes
-from hjcamp.commands.any_plant.head_words import over_windows, print_head
 from hjcamp.commands.any_plant.law_words import free_law, local_driver, state_of, with_article
 from hjcamp.commands.any_plant.outside_words import (
     by_condition_words,
@@ -23,17 +22,10 @@ from hjcamp.commands.any_plant.plant_hints import plant_hints
 from hjcamp.commands.any_plant.remaining_words import false_claims, least, most_remains, over_noise, remains, still_errs
 from hjcamp.commands.any_plant.telling_words import telling_tests
 from hjcamp.commands.any_plant.words import (
-    CHANNELS,
-    WHOLE_NOTE,
     bound_word,
-    calibrated,
-    calibration_table,
-    channel_table,
     end_words,
-    floor_note,
     run_away_words,
     still_words,
-    table,
 )
 from hjcamp.diagnosis.levels import LEVEL
 from hjcamp.diagnosis.results.shares import left_of, share_of
@@ -42,8 +34,6 @@ from hjcamp.report.wording.repeatability import worst_words
 from hjcamp.report.wording.units import plain, told_estimate, told_interval
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from hjcamp.diagnosis.calibration.analysis import Analysis
     from hjcamp.diagnosis.decision.verdict import Verdict
 
@@ -55,7 +45,6 @@ TITLES = {
     "outside_library": "OUTSIDE THE LIBRARY",
     "cannot_tell": "CANNOT TELL",
 }
-STYLES = {"nothing_missing": "green", "effect": "bold", "one_of": "bold"}
 CANDIDATES = ("effect", "t", "residual", "parameter", "value", "95 %")
 
 
@@ -146,8 +135,25 @@ class Words:
 
     def sentences(self) -> list[str]:
         """The answer in sentences."""
-        verdict, error = self.verdict, self.content["error"]
-        found = []
+        return [
+            *self._named(),
+            *self._not_named(),
+            *self._regression(),
+            *self._nothing(),
+            *self._other_shape(),
+            *self._error(),
+            *self._remarks(),
+            *self.telling(),
+        ]
+
+    @property
+    def _first_law(self) -> Mapping[str, Any] | None:
+        """The first non-parametric term of the answer."""
+        return self.content["unknowns"][0] if self.content["unknowns"] else None
+
+    def _named(self) -> list[str]:
+        """Say what was found, or what the tests lack."""
+        verdict, found = self.verdict, list[str]()
         library = self.analysis.search.library
         if verdict.word == "cannot_tell":
             # what a bound holds may make all the rest: it is said first
@@ -157,7 +163,11 @@ class Words:
         if verdict.word == "one_of":
             sets = "; ".join(" with ".join(names) for names in verdict.confidence_set)
             found.append(f"These tests do not rule out: {sets}.")
-        first = self.content["unknowns"][0] if self.content["unknowns"] else None
+        return found
+
+    def _not_named(self) -> list[str]:
+        """Say what is found that has no name: a non-parametric term, an oscillation, other parameters in each condition, a constant."""
+        verdict, error, first, found = self.verdict, self.content["error"], self._first_law, list[str]()
         if verdict.word == "outside_library" and first:
             found.append(
                 f"{with_article(free_law(first), begins=True)}, as a non-parametric term, predicts better than any "
@@ -176,6 +186,11 @@ class Words:
         if self.content["by_condition"]:
             found += by_condition_words(self.content["by_condition"], error["augmented" if verdict.effects else "baseline"])
         found += constant_words(self.content["constants"], error["baseline"])
+        return found
+
+    def _regression(self) -> list[str]:
+        """Say what a regression on motion and inputs predicts that nothing else explains, or that nothing explains the error."""
+        verdict, found = self.verdict, list[str]()
         if verdict.follows:
             above = " above repeatability" if self.analysis.floor.source == "repetitions" else ""
             found.append(
@@ -195,6 +210,11 @@ class Words:
                 "non-parametric term is shown to explain it."
             )
             found += self._seldom() if repeated else []
+        return found
+
+    def _nothing(self) -> list[str]:
+        """Say that nothing is missing, and what that rests on."""
+        verdict, found = self.verdict, list[str]()
         if verdict.word == "nothing_missing":
             found.append(
                 "No effect and no non-parametric term is shown to explain a relevant share of the error (10 %) on held-out blocks."
@@ -203,6 +223,11 @@ class Words:
             )
             if verdict.p_value <= LEVEL:
                 found += self._seldom()
+        return found
+
+    def _other_shape(self) -> list[str]:
+        """Say what the named effects leave that could be explained."""
+        verdict, first, found = self.verdict, self._first_law, list[str]()
         if verdict.word in ("effect", "one_of") and verdict.law_left > 0.05:
             left = 100.0 * min(verdict.law_left, 1.0)
             if first and self.beside:
@@ -214,42 +239,49 @@ class Words:
                 freest = with_article(free_law(first)) if first else "a regression on the motion"
                 law = f"The law of {' or '.join(self.refined())}" if len(verdict.effects) > 1 and first else "The law"
                 found.append(f"{law} leaves {left:.0f} % of what {freest} explains: the true law has a different shape.")
+        return found
+
+    def _error(self) -> list[str]:
+        """Say how large the error is, before and after, and by what chance it would be."""
+        verdict, error, found = self.verdict, self.content["error"], list[str]()
         if verdict.word in ("effect", "one_of") or (verdict.word == "outside_library" and verdict.unknown):
             source = self.analysis.floor.source
             found += most_remains(self.content, verdict, source) or over_noise(self.content, source)
-        if verdict.word != "cannot_tell":
+        if verdict.word == "cannot_tell":
+            return found
+        found.append(
+            f"Normalised error on held-out blocks: {error['baseline']:.2f} calibrated"
+            + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects or verdict.unknown else ".")
+        )
+        if verdict.word == "nothing_missing" and (far := self.far_off):
+            found.append(remains(*far, verdict.p_value))
+        elif verdict.word == "nothing_missing" and verdict.p_value <= LEVEL:
             found.append(
-                f"Normalised error on held-out blocks: {error['baseline']:.2f} calibrated"
-                + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects or verdict.unknown else ".")
+                f"The residual exceeds chance ({self.chance}): something small may be missing, or something "
+                "that the library does not describe."
             )
-            if verdict.word == "nothing_missing" and (far := self.far_off):
-                found.append(remains(*far, verdict.p_value))
-            elif verdict.word == "nothing_missing" and verdict.p_value <= LEVEL:
-                found.append(
-                    f"The residual exceeds chance ({self.chance}): something small may be missing, or something "
-                    "that the library does not describe."
-                )
-            elif not verdict.swing and (verdict.p_value <= LEVEL or verdict.effects):
-                found.append(f"Chance: {self.chance} (circularly shifted residuals, whole library).")
-            if verdict.word != "nothing_missing" and not verdict.swing:
-                found += false_claims(self.content["false_claims"])
+        elif not verdict.swing and (verdict.p_value <= LEVEL or verdict.effects):
+            found.append(f"Chance: {self.chance} (circularly shifted residuals, whole library).")
+        if verdict.word != "nothing_missing" and not verdict.swing:
+            found += false_claims(self.content["false_claims"])
+        return found
+
+    def _remarks(self) -> list[str]:
+        """Say what does not change the verdict: of bounds, memory, delays, ends of sensors, the plant's file."""
+        verdict, library, found = self.verdict, self.analysis.search.library, list[str]()
         rows, period = self.content["calibration"], self.analysis.measured.period
         # beside a lag that is named the base is as late as that model has it
         late = self.content["calibration_with_effects"] or rows
         found += other_sizes(rows, self.content["candidates"][:SHOWN])
-        effects = self.analysis.search.library
-        found += ends_of_laws(verdict.effects, self.content["candidates"], effects)
+        found += ends_of_laws(verdict.effects, self.content["candidates"], library)
         if not verdict.effects:
-            found += no_memory_words(self.content["candidates"], effects, self.analysis.search.shortest_memory)
-        found += (
-            untold(self.analysis)
-            + ([] if verdict.word == "cannot_tell" else held_by_bounds(rows))
-            + late_inputs(late, verdict.effects, period)
-        )
+            found += no_memory_words(self.content["candidates"], library, self.analysis.search.shortest_memory)
+        held = [] if verdict.word == "cannot_tell" else held_by_bounds(rows)
+        found += untold(self.analysis) + held + late_inputs(late, verdict.effects, period)
         found += end_words(self.content["ends"]) + run_away_words(self.content) + still_words(self.content["still"])
         left = not verdict.effects and bool(verdict.p_value <= LEVEL or self.far_off)
         found += never_alone(library) + plant_hints(self.analysis.windows, late, self.content["unknowns"][:1], left)
-        return found + self.telling()
+        return found
 
     def _seldom(self) -> list[str]:
         """Say which effect would take most of the error but cannot be shown to."""
@@ -313,24 +345,3 @@ class Words:
             self.verdict.word == "cannot_tell" and not held and any(left_of(row) < 1.0 for row in self.content["candidates"])
         )
         return [*([f"hjcamp next {paths}{own}"] if rivals else []), f"hjcamp compare {paths}{own}"]
-
-
-def print_diagnosis(console: Console, words: Words) -> None:
-    """Print the answer."""
-    from hjcamp.commands.shared.wrapped import print_wrapped
-
-    analysis = words.analysis
-    print_head(console, analysis)
-    beside = words.fitted_with
-    table(console, calibrated(beside), calibration_table(words.content["calibration"], beside))
-    style = "yellow" if words.far_off and words.verdict.word == "nothing_missing" else STYLES.get(words.verdict.word, "yellow")
-    console.print(words.title, style=style, markup=False, highlight=False)
-    print_wrapped(console, words.sentences(), 8)
-    if rows := words.candidates():
-        table(console, CANDIDATES, rows)
-        print_wrapped(console, words.beside_note, 8)
-    console.print(f"error   {over_windows(analysis)}", markup=False)
-    whole = words.content["whole_tests"]
-    table(console, CHANNELS, channel_table(words.content["channels"], whole))
-    print_wrapped(console, [floor_note(analysis), *([WHOLE_NOTE] if whole else [])], 8)
-    print_wrapped(console, words.worst(), 8, "worst")

@@ -227,20 +227,7 @@ def expand(
             f"{where}: {element.name}(...) takes {', '.join(element.arguments)}; the first is {element.needs[0]}, not the state: "
             f"rate.{state} says whose rate it is"
         )
-    if element is STORE and pieces["stiffness"]:
-        if pieces["capacity"]:
-            raise UsageError(f"{where}: give store '{name}' a capacity or a stiffness, which is 1 over it, not both")
-        element = STIFF_STORE
-    elif element is STORE:
-        pieces["capacity"] = pieces["capacity"] or "1.0"
-    if element is BODY and pieces["load"] in ABSENT:
-        element = BODY if pieces["load"] or pushed else PUSHED_BODY
-        pieces["load"] = ""
-    if element is PATH and pieces["upstream"]:
-        both = f"{pieces['upstream']} - ({pieces['downstream']})"
-        pieces["head"] = both if pieces["downstream"] else pieces["upstream"]
-    if element is TRANSMISSION and pieces["driven"]:
-        pieces["twist"] = f"({pieces['output']}) - ({pieces['driven']})"
+    element = _variant(element, pieces, where, pushed)
     lines, names = [], {}
     for read in (*element.reads, "head", "twist"):
         if pieces.get(read):
@@ -267,6 +254,25 @@ def expand(
         **names,
     )
     return Place(tuple(lines), port, pieces, element.rate.format_map(pieces))
+
+
+def _variant(element: Element, pieces: dict[str, str], where: str, pushed: bool) -> Element:
+    """Return the element as its arguments want it, such as a store with a stiffness; completes ``pieces``."""
+    if element is STORE and pieces["stiffness"]:
+        if pieces["capacity"]:
+            raise UsageError(f"{where}: give store '{pieces['name']}' a capacity or a stiffness, which is 1 over it, not both")
+        element = STIFF_STORE
+    elif element is STORE:
+        pieces["capacity"] = pieces["capacity"] or "1.0"
+    if element is BODY and pieces["load"] in ABSENT:
+        element = BODY if pieces["load"] or pushed else PUSHED_BODY
+        pieces["load"] = ""
+    if element is PATH and pieces["upstream"]:
+        both = f"{pieces['upstream']} - ({pieces['downstream']})"
+        pieces["head"] = both if pieces["downstream"] else pieces["upstream"]
+    if element is TRANSMISSION and pieces["driven"]:
+        pieces["twist"] = f"({pieces['output']}) - ({pieces['driven']})"
+    return element
 
 
 def _given(element: Element, call: ast.Call, where: str) -> tuple[dict[str, str], dict[str, str]]:
