@@ -109,7 +109,7 @@ def as_done(
 def imported(call: tuple[str, str, str, bytes]) -> Any:
     """Return ``function(*arguments)`` of a module in a folder; ``call`` is (folder, module, function, pickled arguments).
 
-    For work that lies beside the package: the workers must see the same folder, which the arguments may need as well.
+    For work that lies next to the package: the workers must see the same folder, which the arguments may need as well.
     """
     folder, module, function, arguments = call
     if folder not in sys.path:

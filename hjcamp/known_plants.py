@@ -59,7 +59,7 @@ def find_plant(name: str = DEFAULT, where: str = "", folders: Sequence[Path] | N
     return scan_files([(name, path) for path in wanted], "plant.py", Plant, ours)[name]
 
 
-def plants_beside_faults() -> tuple[dict[str, type[Plant]], dict[str, str]]:
+def plants_and_faults() -> tuple[dict[str, type[Plant]], dict[str, str]]:
     """Return every plant by name, and what is wrong with the files of the user's that hold none, or one without sound equations."""
     from hjcamp.model.language.vocabulary import read_vocabulary
 

@@ -29,7 +29,7 @@ class Physics:
     area1: float = pi * 6.35e-3**2 / 4
     area2: float = pi * 4e-3**2 / 4
     stiffness: float = 0.0257e15  # Pa/m^3 (4.4.3)
-    floor: float = -0.099e6
+    noise_floor: float = -0.099e6
     radius: float = 6.82e-3 / 2
     mass: float = 0.0185
     static: tuple[float, float] = (7.20, 4.03)  # positive, negative (4.5.1.3, 4.5.1.4)
@@ -54,11 +54,11 @@ class Physics:
     def pressure(self, volume: float) -> float:
         """Return the gauge pressure of a line that holds ``volume`` more than at zero gauge, never below the floor."""
         if self.air == 0.0:
-            return max(volume * self.stiffness, self.floor)
+            return max(volume * self.stiffness, self.noise_floor)
         # volume = p / K + V_a p / (p + p_atm): a quadratic in the absolute pressure
         b = self.stiffness * (volume - self.air) + ATMOSPHERE
         absolute = 0.5 * (b + sqrt(b * b + 4 * self.stiffness * self.air * ATMOSPHERE))
-        return max(absolute - ATMOSPHERE, self.floor)
+        return max(absolute - ATMOSPHERE, self.noise_floor)
 
     def volume(self, pressure: float) -> float:
         """Return what a line holds more than at zero gauge, at the gauge ``pressure``."""
@@ -129,8 +129,8 @@ class Arm:
         crossings: list[Callable[..., float]] = [
             lambda _t, z: z[V] - physics.speed_limit,
             lambda _t, z: z[V] + physics.speed_limit,
-            lambda _t, z: (z[Q1] - physics.volume(physics.floor)) * 1e9,
-            lambda _t, z: (z[Q2] - physics.volume(physics.floor)) * 1e9,
+            lambda _t, z: (z[Q1] - physics.volume(physics.noise_floor)) * 1e9,
+            lambda _t, z: (z[Q2] - physics.volume(physics.noise_floor)) * 1e9,
         ]
         if physics.leak_above:
             opens = physics.volume(physics.threshold)

@@ -27,13 +27,13 @@ def outcome(truth: Line, verdict: str, effects: Sequence[str]) -> str:
     A name is false unless it is the hidden kind or one that the logs cannot tell from it; "one of" is honest where the
     right one, or one like it, is among the names. What should be said where nothing hides is "nothing".
     """
-    right, alike, said = set(truth["effects"]), set(truth["alike"]), set(effects)
+    right, similar, said = set(truth["effects"]), set(truth["alike"]), set(effects)
     if verdict == "one_of":
-        return "honest" if said & (right | alike) else "false"
+        return "honest" if said & (right | similar) else "false"
     if verdict == "effect":
         if said == right:
             return "right"
-        return "alike" if said and said <= right | alike else "false"
+        return "alike" if said and said <= right | similar else "false"
     return {"outside_library": "outside", "nothing_missing": "nothing", "cannot_tell": "cannot_tell"}.get(verdict, "failed")
 
 

@@ -78,7 +78,7 @@ MACHINE = Machine(
         Form("leakage", "widening", lambda v, s, r: {"gap": s * r.uniform(1e-12, 2e-12)}, ("leakage",), False),
         Form("sensor_lag", "snubber", lambda v, s, r: {"snubber": s * r.uniform(0.1, 0.2)}, ("sensor_lag",), False),
         # small changes of a gas that warms and cools again are a store beside one, of the same time
-        Form("gas", "warming", lambda v, s, r: {"warm": min(0.4, 0.3 * s)}, drivers=("flow", "level"), alike=("second_store",)),
-        Form("slip", "pump", lambda v, s, r: {"slip": s * r.uniform(0.05, 0.1)}, drivers=("level",), alike=("leakage",)),
+        Form("gas", "warming", lambda v, s, r: {"warm": min(0.4, 0.3 * s)}, drivers=("flow", "level"), similar=("second_store",)),
+        Form("slip", "pump", lambda v, s, r: {"slip": s * r.uniform(0.05, 0.1)}, drivers=("level",), similar=("leakage",)),
     ),
 )  # fmt: skip

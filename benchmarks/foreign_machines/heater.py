@@ -70,10 +70,10 @@ MACHINE = Machine(
     (
         Form("saturation", "supply", lambda v, s, r: {"limit": r.uniform(1.5, 2.0) / s}, ("saturation",), False),
         Form("dead_band", "threshold", lambda v, s, r: {"threshold": s * r.uniform(0.1, 0.2)}, ("dead_band",),
-             alike=("sensor_offset",)),
+             similar=("sensor_offset",)),
         Form("radiation", "fourth_power", lambda v, s, r: {"radiation": s * r.uniform(0.0012, 0.0025), "transfer": 0.6 * v["transfer"]},
-             drivers=("level", "upstream"), alike=("flow_exponent", "leakage", "overflow")),
+             drivers=("level", "upstream"), similar=("flow_exponent", "leakage", "overflow")),
         Form("draught", "slow", lambda v, s, r: {"draught": s * r.uniform(0.15, 0.3), "draught_period": r.uniform(900.0, 2000.0)},
-             drivers=("time",), alike=()),
+             drivers=("time",), similar=()),
     ),
 )  # fmt: skip

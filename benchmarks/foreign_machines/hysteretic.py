@@ -71,7 +71,7 @@ MACHINE = Machine(
     (
         Form("cubic_spring", "sinh", lambda v, s, r: {"hard": s * r.uniform(600.0, 900.0)}, ("cubic_spring",), False),
         Form("command_delay", "lag", lambda v, s, r: {"lag": s * r.uniform(1.5e-3, 3e-3)}, ("command_delay",), False,
-             alike=("sensor_lag",)),
+             similar=("sensor_lag",)),
         Form("memory", "bouc_wen", lambda v, s, r: {"memory": s * r.uniform(2e4, 4e4), "beta": r.uniform(800.0, 1500.0)},
              drivers=("position", "velocity")),
     ),

@@ -76,9 +76,9 @@ MACHINE = Machine(
     (
         Form("sensor_offset", "zero", lambda v, s, r: {"zero": s * r.uniform(0.8e-3, 1.5e-3)}, ("sensor_offset",), True),
         Form("command_delay", "lag", lambda v, s, r: {"lag": s * r.uniform(2e-3, 4e-3)}, ("command_delay",), False,
-             alike=("sensor_lag",)),
+             similar=("sensor_lag",)),
         Form("eddy", "braking", lambda v, s, r: {"eddy": s * r.uniform(0.4, 0.8)}, drivers=("velocity", "position")),
         Form("reach", "stray_field", lambda v, s, r: {"reach": s * r.uniform(2e-3, 4e-3), "magnet": 1.6 * v["magnet"]},
-             drivers=("position",), alike=("sensor_offset",)),
+             drivers=("position",), similar=("sensor_offset",)),
     ),
 )  # fmt: skip

@@ -68,12 +68,12 @@ MACHINE = Machine(
     "oven", PLANT, ("capacity", "transfer"), RIG, measure,
     {"time_s": "t_s", "power_w": "P_W", "excess_k": {"column": "T_C", "unit": "K", "offset": -22.0}}, (2400, 900),
     (
-        Form("flow_exponent", "air", lambda v, s, r: {"power": s * r.uniform(0.2, 0.33)}, ("flow_exponent",), alike=("leakage",)),
+        Form("flow_exponent", "air", lambda v, s, r: {"power": s * r.uniform(0.2, 0.33)}, ("flow_exponent",), similar=("leakage",)),
         Form("sensor_lag", "sheath", lambda v, s, r: {"sheath": s * r.uniform(8.0, 15.0)}, ("sensor_lag",), False,
-             alike=("command_delay",)),
+             similar=("command_delay",)),
         Form("radiation", "fourth_power", lambda v, s, r: {"radiation": s * r.uniform(0.06, 0.12), "transfer": 0.5 * v["transfer"]},
-             drivers=("level",), alike=("flow_exponent", "leakage")),
+             drivers=("level",), similar=("flow_exponent", "leakage")),
         Form("room", "day", lambda v, s, r: {"room": s * r.uniform(3.0, 5.0), "room_period": r.uniform(3000.0, 6000.0),
-             "room_phase": r.uniform(0, 6)}, drivers=("time",), alike=("sensor_drift",)),
+             "room_phase": r.uniform(0, 6)}, drivers=("time",), similar=("sensor_drift",)),
     ),
 )  # fmt: skip

@@ -82,7 +82,7 @@ MACHINE = Machine(
     {"time_s": "t_s", "torque_nm": "T_Nm", "tacho_rad_per_s": "w_rad_s"}, (8000, 3000),
     (
         Form("saturation", "tanh", lambda v, s, r: {"limit": r.uniform(0.9, 1.2) / s}, ("saturation",), False),
-        Form("command_delay", "lag", lambda v, s, r: {"lag": s * r.uniform(8e-3, 16e-3)}, ("command_delay",), alike=("sensor_lag",)),
+        Form("command_delay", "lag", lambda v, s, r: {"lag": s * r.uniform(8e-3, 16e-3)}, ("command_delay",), similar=("sensor_lag",)),
         Form("fan", "square", lambda v, s, r: {"fan": s * r.uniform(4e-4, 8e-4)}, drivers=("velocity",)),
         Form("shaft", "hardening", lambda v, s, r: {"hard": s * r.uniform(150.0, 300.0)}, drivers=("position",)),
         Form("brake", "dry", lambda v, s, r: {"brake": s * r.uniform(0.05, 0.1)}, drivers=("velocity", "direction")),

@@ -83,7 +83,7 @@ class HiddenCase:
         return asdict(self) | {"contact": self.contact, "laws": self.laws}
 
 
-def alike(name: str) -> frozenset[str]:
+def similar(name: str) -> frozenset[str]:
     """Return ``name`` with the effects that are the same thing as it is."""
     return next((group for group in SAME if name in group), frozenset({name}))
 
@@ -134,6 +134,6 @@ def _outside() -> Iterator[HiddenCase]:
 
 def _taken_out() -> Iterator[HiddenCase]:
     for place, effect in enumerate(TAKEN_OUT):
-        seed, without = FIRST_SEED["taken_out"] + place, tuple(sorted(alike(effect)))
+        seed, without = FIRST_SEED["taken_out"] + place, tuple(sorted(similar(effect)))
         name = f"without-{effect}-{seed}"
         yield HiddenCase(name, "taken_out", (effect,), "strong", seed, without, small=place % 2 == 0)

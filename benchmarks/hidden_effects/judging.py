@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from benchmarks.hidden_effects.cases import EFFECT, NOTHING, ONE_OF, OUTSIDE, alike
+from benchmarks.hidden_effects.cases import EFFECT, NOTHING, ONE_OF, OUTSIDE, similar
 from benchmarks.hidden_effects.detectable import DETECTABLE
 
 Line = Mapping[str, Any]
@@ -37,14 +37,14 @@ def is_true(name: str, line: Line, groups: bool) -> bool:
     """Whether a name is that of a hidden effect, or of one that is the same thing where ``groups``."""
     if line["kind"] in ("outside", "taken_out"):
         return False
-    return any(name == effect or (groups and name in alike(effect)) for effect in line["effects"])
+    return any(name == effect or (groups and name in similar(effect)) for effect in line["effects"])
 
 
 def matched(line: Line, groups: bool) -> bool:
     """Whether the names given are those hidden, each once."""
     names, left = named(line), list(line["effects"])
     for name in names:
-        found = next((one for one in left if name == one or (groups and name in alike(one))), None)
+        found = next((one for one in left if name == one or (groups and name in similar(one))), None)
         if found is None:
             return False
         left.remove(found)
@@ -78,7 +78,7 @@ def right(line: Line, groups: bool = True) -> bool:
         and verdict == ONE_OF
         and len(line["effects"]) == 1
         and line["effects"][0] in names
-        and set(names) <= alike(line["effects"][0])
+        and set(names) <= similar(line["effects"][0])
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.hidden_effects.cases import alike
+from benchmarks.hidden_effects.cases import similar
 from benchmarks.hidden_effects.measure import wilson
 from benchmarks.hidden_effects.tables import table
 
@@ -29,7 +29,7 @@ def outcome(line: Line) -> str:
         if verdict == line["right"]:
             return "right"
         return "false name" if verdict in ("effect", "one_of") else verdict
-    own = alike(line["effect"])
+    own = similar(line["effect"])
     if verdict == "effect":
         return "right" if len(names) == 1 and names <= own else "false name" if not names & own else "named with others"
     if verdict == "one_of":

@@ -89,7 +89,10 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
         table(
             "chance: the share of rigs whose p is at most as large, by null replicates alone and as reported",
             ["p at most", *(f"{kind}, {name}" for name in sets for kind in ("null replicates", "reported"))],
-            ([f"{p:g}", *(share(found <= p) for rows in sets.values() for found in (twins(rows), told(rows)))] for p in SHARES),
+            (
+                [f"{p:g}", *(share(found <= p) for rows in sets.values() for found in (replicates(rows), told(rows)))]
+                for p in SHARES
+            ),
         )
     )
     parts.append(
@@ -214,7 +217,7 @@ def over(rows: Sequence[Mapping[str, Any]]) -> Any:
     return np.array([max(float(row[name]) for name in CHANNELS) for row in rows])
 
 
-def twins(rows: Sequence[Mapping[str, Any]]) -> Any:
+def replicates(rows: Sequence[Mapping[str, Any]]) -> Any:
     """Return the chance by twins alone (rigs,)."""
     return np.array([float(row["twins_p"]) for row in rows])
 
@@ -222,7 +225,7 @@ def twins(rows: Sequence[Mapping[str, Any]]) -> Any:
 def told(rows: Sequence[Mapping[str, Any]]) -> Any:
     """Return the chance that an answer tells (rigs,): the larger of that by twins and that by rigs with other contacts."""
     by_rigs = [chance(row["best"], float(row["gain"]), int(row["tests"])) for row in rows]
-    return np.maximum(twins(rows), by_rigs)
+    return np.maximum(replicates(rows), by_rigs)
 
 
 def verdicts(rows: Sequence[Mapping[str, Any]], contact: str) -> Any:

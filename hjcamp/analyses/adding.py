@@ -31,7 +31,7 @@ def library_of_data(data: Data) -> Mapping[str, type[Effect]]:
 
 
 def add(data: Data, names: Sequence[str], name: str, model: str = "published", report: Report = silent) -> Added:
-    """Fit the effects ``names`` beside the base of ``model`` and save the new model as ``conf/model/NAME.yaml``."""
+    """Fit the effects ``names`` in addition to the base of ``model`` and save the new model as ``conf/model/NAME.yaml``."""
     from hjcamp.configuration.saved_model import check_new_name, write_model
     from hjcamp.diagnosis.results.addition import added, answer, provenance
     from hjcamp.diagnosis.results.model_file import load_model, savable

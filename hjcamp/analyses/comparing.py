@@ -1,4 +1,4 @@
-"""Models beside measured tests."""
+"""Models compared with measured tests."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
         report("better optimum found for the base parameters; restarting", 0.05)
         known.base = better
         analysis, verdict = agreed(at(), lambda width: at(width=width))
-    analysis = replace(analysis, floor=not_above(analysis.floor, verdict.shown.fitted.features))
+    analysis = replace(analysis, noise_floor=not_above(analysis.noise_floor, verdict.shown.fitted.features))
     content = answer(analysis, verdict, 0.0)
     content["candidates"] = with_asked(content["candidates"], asked_candidates(analysis, verdict, wanted), wanted)
     content["made_from"] = made_from(data, asked)

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Effort:
-    """How much work a diagnosis may do: twins, fitted survivors of a screening, Gauss-Newton steps, further effects, and
+    """How much work a diagnosis may do: null replicates, fitted survivors of a screening, Gauss-Newton steps, further effects, and
     sweeps of a pattern search that settles each fit.
 
     A ``hasty`` one looks for a further effect only where the model found so far leaves an error or another promised much.
     """
 
-    twins: int
+    replicates: int
     survivors: int
     steps: int
     forward: int

@@ -1,4 +1,4 @@
-"""Models of any plant beside measured tests, and each of them without one of its effects."""
+"""Models of any plant compared with measured tests, and each of them without one of its effects."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class PlantComparison(Comparison):
 
 
 def with_lesser(found: Comparison, models: Mapping[str, Candidate]) -> PlantComparison:
-    """Return a comparison of ``models`` with each of them without one of its effects; one that runs away is left out."""
+    """Return a comparison of ``models`` with each of them without one of its effects; one that diverges is left out."""
     analysis = found.analysis
     measured = analysis.windows.layout.measured
     there, lesser = {one.key for one in models.values()}, []

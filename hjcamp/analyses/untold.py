@@ -1,4 +1,4 @@
-"""Base parameters that a plant's tests cannot tell apart, by name."""
+"""Base parameters that a plant's tests cannot distinguish, by name."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ def untold(analysis: Analysis) -> list[str]:
 
     from hjcamp.diagnosis.estimation.intervals import intervals
     from hjcamp.diagnosis.levels import MATTERS
-    from hjcamp.report.pictures.corner import ALIKE, correlation_of
+    from hjcamp.report.pictures.corner import SIMILAR, correlation_of
 
     fitted = analysis.base.fitted
     covariance = np.asarray(np.linalg.pinv(fitted.information), dtype=np.float64)
-    alike = np.abs(correlation_of(covariance)) > ALIKE
+    similar = np.abs(correlation_of(covariance)) > SIMILAR
     base = analysis.measured.plant.base_parameters
     found = intervals(fitted, analysis.search.blocks)
     wide = [not one.told or one.high - one.low > 2.0 * MATTERS * abs(one.value) for one in found]
     kept = [k for k, one in enumerate(found) if not one.effect and one.name in base and wide[k]]
-    group = connected_components(alike[np.ix_(kept, kept)], directed=False)[1]
+    group = connected_components(similar[np.ix_(kept, kept)], directed=False)[1]
     groups = [[found[k].name for k, own in zip(kept, group, strict=True) if own == each] for each in dict.fromkeys(group)]
     return [
         f"These tests do not distinguish {', '.join(names[:-1])} and {names[-1]}: give one of them (base=False)."

@@ -61,7 +61,7 @@ def finish_run(
     rule: StopRule | None = None,
     cluster_address: str | None = None,
 ) -> Made:
-    """Make what is left of a run that was begun, and the report; raises where tests failed."""
+    """Make the rest of a run that was begun, and the report; raises where tests failed."""
     check_plan(folder.plan, str(folder.path / "plan.json"))
     say_before_moving(folder.plan, console)
     sessions = folder.manifest["sessions"]

@@ -1,4 +1,4 @@
-"""Run what is left of a plan: progress, state, stopping, going on."""
+"""Run the rest of a plan: progress, state, stopping, going on."""
 
 from __future__ import annotations
 

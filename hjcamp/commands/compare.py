@@ -1,4 +1,4 @@
-"""Replay measured tests with one or more models: the error, its floor, and where it comes from."""
+"""Replay measured tests with one or more models: the error, its noise floor, and where it comes from."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def compare(
         Path | None, typer.Option(help="Write each test with models and residuals as topics into this folder.")
     ] = None,
 ) -> None:
-    """Replay measured tests with one or more models: the error, its floor, and where it comes from."""
+    """Replay measured tests with one or more models: the error, its noise floor, and where it comes from."""
     from hjcamp.commands.any_plant import calls
     from hjcamp.commands.shared.session import check_answer_file, folder_for, no_logs
     from hjcamp.known_plants import usual_plant

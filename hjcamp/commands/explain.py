@@ -1,4 +1,4 @@
-"""Say what a word of the answers means (floor, surrogate data, ...), and what a word of a plant's file takes (path, State, ...)."""
+"""Say what a word of the answers means (noise floor, surrogate data, ...), and what one of a plant's file takes (path, State, ...)."""
 
 from __future__ import annotations
 

@@ -61,12 +61,12 @@ def show_list() -> dict[str, Any]:
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.answers import plant_row
     from hjcamp.effects import library_of
-    from hjcamp.known_plants import plants_beside_faults
+    from hjcamp.known_plants import plants_and_faults
 
     table = Table(box=None, header_style="bold", pad_edge=False)
     for column in ("plant", "what it is", "measured", "effects that fit"):
         table.add_column(column, no_wrap=column == "plant")
-    found, faults = plants_beside_faults()
+    found, faults = plants_and_faults()
     for name, plant in found.items():
         measured = [channel.field for channel in plant.channels] or list(plant.measured)
         table.add_row(name, plant.sentence(), ", ".join(measured), str(len(library_of(plant).effects)))
@@ -185,9 +185,9 @@ def write_new(name: str) -> Path:
     """Write the template of a plant into ./plants."""
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.plant_template import write_template
-    from hjcamp.known_plants import plants_beside_faults
+    from hjcamp.known_plants import plants_and_faults
 
-    path = write_template(name, Path("plants"), plants_beside_faults()[0])
+    path = write_template(name, Path("plants"), plants_and_faults()[0])
     console = make_console()
     console.print(f"  written  {path}", markup=False)
     console.print(f"  next     hjcamp plants test {name}", markup=False)

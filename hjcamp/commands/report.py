@@ -1,4 +1,4 @@
-"""Make tables and the report page of a run folder or of logs, beside the published values."""
+"""Make tables and the report page of a run folder or of logs, next to the published values."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def report(
     ] = None,
     json: AnswerFile = None,
 ) -> None:
-    """Make tables and the report page of a run folder or of logs, beside the published values."""
+    """Make tables and the report page of a run folder or of logs, next to the published values."""
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.campaign.further_pictures import further_pictures
     from hjcamp.commands.shared.session import check_answer_file, write_answer
@@ -62,8 +62,8 @@ def report(
             check_place(file, option)
     if output is not None:
         check_place(output, "--output", folder=True)
-    beside = "published" if against is None or against in AGAINST else "baseline"
-    tolerances = None if check is None else read_tolerances(check, beside)
+    reference = "published" if against is None or against in AGAINST else "baseline"
+    tolerances = None if check is None else read_tolerances(check, reference)
     logs = None if repetition is None else of_repetition(path, repetition)
     target = output or (None if repetition is None else own_folder(path / f"repetition_{repetition}"))
     made = build_report(path, against=against, output=target, logs=logs, further=further_pictures, template=template)

@@ -1,4 +1,4 @@
-"""Find PID gains on the simulated rig: by the stability method, or anew for the cases of a campaign."""
+"""Find PID gains on the simulated rig: by the stability method, or again for the cases of a campaign."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def tune(
     config_dir: Annotated[Path | None, typer.Option("--config-dir", help="A further folder of groups.")] = None,
     json: AnswerFile = None,
 ) -> None:
-    """Find PID gains on the simulated rig: by the stability method, or anew for the cases of a campaign.
+    """Find PID gains on the simulated rig: by the stability method, or again for the cases of a campaign.
 
     Without a campaign: the critical gain and period for a step, and the gains of thesis 5.2.1.3. With one: for every
     case (conditions that differ only in their trajectory share one gain set) the gains with the smallest mean RMSE1,

@@ -76,11 +76,11 @@ class _FilesReadOnce(ConfigRepository):
 
     def __deepcopy__(self, memo: dict[int, Any]) -> _FilesReadOnce:
         # Hydra copies the repository for every composition; a search path in the overrides must not leak out.
-        twin = _FilesReadOnce.__new__(_FilesReadOnce)
-        twin.config_search_path = getattr(self, "config_search_path", None)  # type: ignore[assignment]
-        twin.sources = list(self.sources)
-        twin._read = self._read
-        return twin
+        copied = _FilesReadOnce.__new__(_FilesReadOnce)
+        copied.config_search_path = getattr(self, "config_search_path", None)  # type: ignore[assignment]
+        copied.sources = list(self.sources)
+        copied._read = self._read
+        return copied
 
 
 class _WithoutHydra(CachingConfigRepository):
@@ -279,7 +279,7 @@ class Composer:
         return sorted(name for name in set(found) if name.startswith(word))
 
     def _users_files(self) -> bool:
-        """Return whether there is a folder of configuration beside our own."""
+        """Return whether there is a folder of configuration next to our own."""
         folders = {Path(place.partition("://")[2]) for place in self.places()} - {OWN_PLANTS}
         return any(folder.is_dir() and not folder.resolve().is_relative_to(packaged_root()) for folder in folders)
 

@@ -68,7 +68,7 @@ class FileConfigSource(HydrasFileConfigSource):
 
 @functools.lru_cache(maxsize=512)
 def _parsed(file: Path, changed_ns: int, size: int) -> tuple[Any, dict[str, str | None]]:
-    """Return the plain values of a file and its header, as Hydra reads it; it is read anew once it has changed."""
+    """Return the plain values of a file and its header, as Hydra reads it; it is read again once it has changed."""
     with file.open(encoding="utf-8") as stream:
         header = ConfigSource._get_header_dict(stream.read(512))
     return OmegaConf.to_container(OmegaConf.load(file)), header
@@ -173,7 +173,7 @@ class PlantSource(ConfigSource):
 
 
 class UserFoldersFirst(SearchPathPlugin):
-    """Put the user's configuration and campaigns before ours, and our campaigns beside our configuration."""
+    """Put the user's configuration and campaigns before ours, and our campaigns next to our configuration."""
 
     def manipulate_search_path(self, search_path: ConfigSearchPath) -> None:
         """Add the folders to Hydra's search path."""

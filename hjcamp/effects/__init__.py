@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError, shown, unknown
-from hjcamp.known_plants import DEFAULT, find_plant, plants_beside_faults
+from hjcamp.known_plants import DEFAULT, find_plant, plants_and_faults
 from hjcamp.model.declare.effect import Effect
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.files.catalogue import scan
@@ -41,7 +41,7 @@ def library_of(plant: type[Plant] | str = DEFAULT, folders: Sequence[Path] | Non
         for name in ours.keys() & files.keys():
             raise UsageError(f"effect {name}: the name is taken; choose another file name")
         files = {**files, **ours}
-    return library_for(plant, files, lambda: plants_beside_faults()[0].values())
+    return library_for(plant, files, lambda: plants_and_faults()[0].values())
 
 
 def load_effects(folders: Sequence[Path] | None = None, plant: type[Plant] | str = DEFAULT) -> dict[str, type[Effect]]:

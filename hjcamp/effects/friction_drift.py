@@ -22,7 +22,7 @@ class FrictionDrift(Effect):
               C_v \leftarrow C_v\,\bigl(1 + d_v\,\tau\,(1 - e^{-q/\tau})\bigr), \quad q = t + s / v_0
 
     with F static and Coulomb, C_v viscous friction, t = 0 at the start of the command, where the base friction applies, and
-    s the travel since then; the next test starts anew. A pace v_0 far above the speeds of the test: it goes with time; far
+    s the travel since then; the next test starts again. A pace v_0 far above the speeds of the test: it goes with time; far
     below: with the travel alone. A long settling time: a steady drift.
     Seen as: the same motion needs another force late in a test than early in it.
     Not for: change from test to test (scatter), or with rest (see static_friction_ageing).

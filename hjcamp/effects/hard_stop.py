@@ -17,7 +17,7 @@ class HardStop(Effect):
     with d how far it is pressed in: the upper end where x_e is positive, the lower one where it is negative. Hunt and
     Crossley's law: no leap of the force at first touch, and no pull.
     Seen as: motion that turns round or ends at one position, with less speed after than before.
-    Not for: both ends alike without loss (see soft_stop).
+    Not for: both ends the same without loss (see soft_stop).
     Source: Hunt & Crossley (1975), Journal of Applied Mechanics 42(2), 440-445, doi:10.1115/1.3423596.
     """
 

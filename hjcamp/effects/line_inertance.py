@@ -14,7 +14,7 @@ class LineInertance(Effect):
 
     with I what is missing of rho L / A_i after the 4.0 g of water that the published mass holds already, and f the share of
     the line's compliance on the joint's side of it, as in line_resistance; rates of flows are taken over 4 ms.
-    Seen as: more effective mass, 13 g for the published tubing with f = 0, and a sensor that leads. With f = 0 alike but
+    Seen as: more effective mass, 13 g for the published tubing with f = 0, and a sensor that leads. With f = 0 the same but
     for its size: payload_inertia.
     Source: thesis 4.4.2.1, 4.5.2; White (2011), Fluid Mechanics, 7th ed., section 3.3.
     """

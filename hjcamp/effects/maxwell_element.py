@@ -1,4 +1,4 @@
-"""A spring in series with a damper, beside what holds a body."""
+"""A spring in series with a damper, in addition to what holds a body."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from hjcamp.model.declare.parameter import Parameter, State
 
 
 class MaxwellElement(Effect):
-    r"""What holds a body relaxes: a spring in series with a damper pulls at it, beside what is there.
+    r"""What holds a body relaxes: a spring in series with a damper pulls at it, in addition to what is there.
 
     .. math:: F \mathrel{+}= -k\,(x - x_r), \quad \tau\,\dot x_r = x - x_r
 

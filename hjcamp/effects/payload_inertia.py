@@ -12,7 +12,7 @@ class PayloadInertia(Effect):
     .. math:: m \mathrel{+}= m_l \frac{r^2}{r_p^2}
 
     Seen as: force in phase with acceleration, slower oscillation after each breakaway.
-    Not for: weight (see gravity_load); alike but for its size: line_inertance.
+    Not for: weight (see gravity_load); the same but for its size: line_inertance.
     Source: thesis 4.5.2.1, 5.5.1 (8.5 g at 20 mm: 292 g).
     """
 

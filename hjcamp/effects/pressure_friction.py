@@ -18,7 +18,7 @@ class PressureFriction(Effect):
 
     .. math:: F = F_0 + c\,(p_1 + p_2 - p_0)
 
-    for static and Coulomb friction alike, with c the coefficient of seal friction times the seal's contact area and p_0 the
+    for static and Coulomb friction equally, with c the coefficient of seal friction times the seal's contact area and p_0 the
     sum at which the base friction holds.
     Seen as: the same added friction at a higher preload, in both directions and at any speed.
     Not for: tests at one preload, where p1 + p2 hardly changes: static and Coulomb friction of both directions take it

@@ -12,7 +12,7 @@ class PressureGain(Effect):
     .. math:: p_{m,i} = p_i + g_i\,p_i\,(1 + b\,p_i)
 
     Seen as: pressure steps of one line too large against its volume, and against those of the other line.
-    Not for: a constant error (see pressure_offset). With g1 = g2 line_stiffness and all friction scale alike.
+    Not for: a constant error (see pressure_offset). With g1 = g2 line_stiffness and all friction scale by one factor.
     Source: sensitivity error and nonlinearity (a parabola through the ends of the range) in a sensor's data sheet; Doebelin
     (2004), Measurement Systems, 5th ed., section 3.2.
     """

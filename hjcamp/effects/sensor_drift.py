@@ -12,7 +12,7 @@ class SensorDrift(Effect):
     .. math:: y_m = y + d\,t
 
     with t = 0 at the start of the command.
-    Seen as: an error that grows with time, whatever the motion is, and starts anew with each test.
+    Seen as: an error that grows with time, whatever the motion is, and starts again with each test.
     Not for: a constant error (see sensor_offset).
     Source: zero drift in a sensor's data sheet; Doebelin (2004), Measurement Systems, 5th ed., section 3.2.
     """

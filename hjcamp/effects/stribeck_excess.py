@@ -17,7 +17,7 @@ class StribeckExcess(Effect):
     Seen as: a breakaway above what sliding needs, a force that falls with speed at low speed, stick-slip.
     Not for: contacts whose static friction is a parameter of its own (see stribeck_friction). No fluid film makes
     friction rise on breakaway: the excess cannot be negative. What fades over more than half the usual speed is no start of sliding:
-    beside viscous friction it would be any bent curve of friction over speed.
+    in addition to viscous friction it would be any bent curve of friction over speed.
     Source: Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30(7), 1083-1138,
     doi:10.1016/0005-1098(94)90209-7.
     """

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from hjcamp.analyses.adding import Added
     from hjcamp.analyses.diagnosing import Asked
 
-OVER_FLOOR = "error over noise floor"
+OVER_NOISE_FLOOR = "error over noise floor"
 
 
 def said_of(data: Data) -> Any:
@@ -35,9 +35,9 @@ def compared(data: Data, names: Sequence[str], report: Report) -> tuple[Any, dic
 def comparison_sentences(found: Any) -> list[str]:
     """Return where the error of the last model is, in words."""
     from hjcamp.commands.any_plant.comparison_words import notes_on
-    from hjcamp.commands.any_plant.words import floor_note
+    from hjcamp.commands.any_plant.words import noise_floor_note
 
-    return [floor_note(found.analysis), *notes_on(found)]
+    return [noise_floor_note(found.analysis), *notes_on(found)]
 
 
 def comparison_drawn(found: Any) -> tuple[Any, ...]:

@@ -18,7 +18,7 @@ def add(
     model: object = "published",
     progress: Callable[[str, float], None] | None = None,
 ) -> Added:
-    """Fit effects beside the base of ``model``, save the new model as conf/model/NAME.yaml, and return it; `hjcamp add`.
+    """Fit effects in addition to the base of ``model``, save the new model as conf/model/NAME.yaml, and return it; `hjcamp add`.
 
     What is returned stands for its name: ``hjcamp.compare(data, model=["published", mine])``.
 

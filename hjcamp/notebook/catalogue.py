@@ -169,7 +169,7 @@ def plants(name: str | None = None) -> Catalogue | OnePlant:
     >>> figure = hjcamp.plants("stage").plot()
     """
     from hjcamp.effects import library_of
-    from hjcamp.known_plants import find_plant, plants_beside_faults
+    from hjcamp.known_plants import find_plant, plants_and_faults
     from hjcamp.model.checks.plant_checks import check_plant
 
     if name is not None:
@@ -183,7 +183,7 @@ def plants(name: str | None = None) -> Catalogue | OnePlant:
             "effects": len(library_of(one).effects),
             "measured": ", ".join([channel.field for channel in one.channels] or list(one.measured)),
         }
-        for key, one in plants_beside_faults()[0].items()
+        for key, one in plants_and_faults()[0].items()
     ]
     return Catalogue(f"{len(rows)} plants", frame_of(rows, PLANTS))
 
@@ -195,9 +195,9 @@ def new_plant(name: str) -> Path:
     'plants/my_axis.py'
     """
     from hjcamp.commands.shared.plant_template import write_template
-    from hjcamp.known_plants import plants_beside_faults
+    from hjcamp.known_plants import plants_and_faults
 
-    return write_template(name, Path("plants"), plants_beside_faults()[0])
+    return write_template(name, Path("plants"), plants_and_faults()[0])
 
 
 def new_effect(name: str, plant: str = "", on: str = "") -> Path:

@@ -1,4 +1,4 @@
-"""Models beside measured tests, in Python."""
+"""Models compared with measured tests, in Python."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Comparison(Result):
 
     @property
     def scores(self) -> dict[str, float | None]:
-        """The error of each model over the floor, geometric mean of the channels; nothing of one that diverges."""
+        """The error of each model over the noise floor, geometric mean of the channels; nothing of one that diverges."""
         return {one["name"]: one["score"] for one in self.answer["models"]}
 
     @property

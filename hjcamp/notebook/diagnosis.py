@@ -88,9 +88,9 @@ class Diagnosis(Result):
         seed: int = 1,
         progress: Callable[[str, float], None] | None = None,
     ) -> Proposal:
-        """Return the tests that would tell what is left apart, at most ``tests`` (`hjcamp next`), without another search.
+        """Return the tests that would distinguish what remains, at most ``tests`` (`hjcamp next`), without another search.
 
-        ``rivals`` are effects to be told apart instead. Raises ``UsageError`` for tests of a plant that has a menu, which is
+        ``rivals`` are effects to be distinguished instead. Raises ``UsageError`` for tests of a plant that has a menu, which is
         that of ``hjcamp.command("next", ...)``, and for an unknown effect.
         """
         from hjcamp.notebook.proposal import Proposal

@@ -47,7 +47,7 @@ class Added(Model):
 
     @property
     def errors(self) -> dict[str, float]:
-        """The error over the floor on tests not used: of the model begun with, calibrated, with the effects; the floor."""
+        """The error over the noise floor on tests not used: of the model begun with, calibrated, with the effects; the noise floor."""
         return {name: value for name in ERRORS if (value := self.answer["error"].get(name)) is not None}
 
     @property
@@ -76,7 +76,7 @@ class Added(Model):
         return frame_of(rows, PARAMETERS)
 
     def plot(self) -> Picture:
-        """Return the errors before and after as bars, and the floor."""
+        """Return the errors before and after as bars, and the noise floor."""
         from hjcamp.report.pictures.drawing import draw_errors
 
         rows = [(name.replace("floor", "noise floor"), one) for name, one in self.errors.items()]
@@ -122,12 +122,12 @@ class Calibrated(Model):
 def added(
     names: Sequence[str], data: Data, as_: str, model: str, progress: Callable[[str, float], None] | None = None
 ) -> Added:
-    """Fit the named effects beside the base of ``model`` on ``data``, save the new model as ``as_``, and return it."""
+    """Fit the named effects in addition to the base of ``model`` on ``data``, save the new model as ``as_``, and return it."""
     if not names:
         raise UsageError("no effect was named: hjcamp.add(EFFECTS, TESTS, as_=NAME)")
     said = said_of(data)
     done = said.added(data, names, as_, model, progress_to(progress))
-    return Added(as_, done.path, done.content, done.found, said.OVER_FLOOR)
+    return Added(as_, done.path, done.content, done.found, said.OVER_NOISE_FLOOR)
 
 
 def calibrate(

@@ -17,7 +17,7 @@ COLUMNS = ("condition", "text", "duration_s", "rivals", "separation", "worth_it"
 
 @dataclass(frozen=True, repr=False)
 class Proposal(Result):
-    """The tests that tell rivals apart best. ``frame``: the five best, a row for each pair of rivals."""
+    """The tests that distinguish rivals best. ``frame``: the five best, a row for each pair of rivals."""
 
     done: PlantProposed
     answer: dict[str, Any]
@@ -30,7 +30,7 @@ class Proposal(Result):
         return title(self.done)
 
     def sentences(self) -> list[str]:
-        """Return what is proposed, and what stays alike."""
+        """Return what is proposed, and what stays similar."""
         from hjcamp.commands.any_plant.next_answer import sentences
 
         return sentences(self.done)

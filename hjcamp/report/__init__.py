@@ -1,1 +1,1 @@
-"""From test logs to indicators, tables beside the published values, figures and the report page."""
+"""From test logs to indicators, tables next to the published values, figures and the report page."""

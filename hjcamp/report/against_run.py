@@ -1,4 +1,4 @@
-"""A run beside another run: means of the same conditions, their differences, and which of them are more than scatter."""
+"""A run next to another run: means of the same conditions, their differences, and which of them are more than scatter."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def read_tests(path: Path) -> Tests:
 
 @dataclass(frozen=True)
 class RunComparison:
-    """``run`` beside ``baseline``: condition by condition of equal name, or the only one of each."""
+    """``run`` next to ``baseline``: condition by condition of equal name, or the only one of each."""
 
     run: Tests
     baseline: Tests
@@ -100,8 +100,8 @@ class RunComparison:
         if self.pairs:
             return
         ours, theirs = self.run.conditions, self.baseline.conditions
-        alike = next(((one, match) for one in ours if (match := nearest(one, theirs))), None)
-        hint = f"; '{alike[0]}' is nearest to '{alike[1]}'" if alike else ""
+        similar = next(((one, match) for one in ours if (match := nearest(one, theirs))), None)
+        hint = f"; '{similar[0]}' is nearest to '{similar[1]}'" if similar else ""
         raise UsageError(
             f"{self.run.name} and {self.baseline.name} have no condition in common: {_some(ours)} here, {_some(theirs)} "
             f"there{hint}. A baseline has conditions of the same names"
@@ -122,7 +122,7 @@ class RunComparison:
         rows.sort(key=lambda row: order[row["condition"]])
         return pl.DataFrame(rows, schema=COLUMNS)
 
-    def beside(self, table: pl.DataFrame, names: Sequence[str], magnitudes: Sequence[str] = ()) -> pl.DataFrame:
+    def with_reference(self, table: pl.DataFrame, names: Sequence[str], magnitudes: Sequence[str] = ()) -> pl.DataFrame:
         """Return an aggregated table with ``<indicator>_baseline_mean``, ``_std``, ``_n``, ``_difference`` and ``_p``."""
         found = {(row["condition"], row["indicator"]): row for row in self.cells.iter_rows(named=True)}
         by = table["condition" if "condition" in table.columns else "_condition"].to_list()

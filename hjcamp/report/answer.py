@@ -11,7 +11,7 @@ from hjcamp.report.ci import metrics_of
 
 
 def report_answer(made: Report, against: str | None, violations: Sequence[Violation] | None) -> dict[str, Any]:
-    """Return what a report found, for programs: every condition, what stands beside, and what is outside tolerances."""
+    """Return what a report found, for programs: every condition, what stands next to it, and what is outside tolerances."""
     return {
         "schema": "hjcamp.report/1",
         "run": str(made.run_dir),

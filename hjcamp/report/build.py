@@ -22,7 +22,7 @@ from hjcamp.report.pictures.main_effects import CAPTION, draw_main_effects
 from hjcamp.report.reading import AGAINST, LogsOfRun, read_logs
 from hjcamp.report.runs.indicators import COLUMNS, FURTHER, IDENTITY, INDICATORS, configuration, varied_columns
 from hjcamp.report.runs.origin import RunOrigin, origin_facts, read_origin, states_of_tests
-from hjcamp.report.runs.published import beside_refit
+from hjcamp.report.runs.published import against_refit
 from hjcamp.report.runs.spread import Condition
 from hjcamp.report.tables.aggregation import (
     FAR_OFF,
@@ -48,7 +48,7 @@ Pictures = Callable[[Sequence["TestLog"]], dict[str, tuple[str, str]]]
 
 @dataclass(frozen=True)
 class Report:
-    """What was made: the frames in memory, where the page is, and why no published value stands beside (reason: conditions)."""
+    """What was made: the frames in memory, where the page is, and why no published value stands next to it (reason: conditions)."""
 
     run_dir: Path
     page: Path
@@ -82,7 +82,7 @@ def build_report(
 ) -> Report:
     """Write ``tables/`` and ``report.html`` of a run folder, or of a folder of logs, each file whole or not at all.
 
-    With ``against="published"`` the published values stand beside, with a path those of that run. ``output`` is another
+    With ``against="published"`` the published values stand next to it, with a path those of that run. ``output`` is another
     folder for the files, ``logs`` are the logs where they have been read already, ``further`` gives more pictures for the
     page, ``template`` is a file that the page is made by (docs/templates.md).
     The logs of the folder are read one after the other. `UsageError` where there is no log, a log that cannot be
@@ -100,16 +100,16 @@ def build_report(
         refuse_links_out(target)
     read = read_logs(run_dir, origin, logs, against)
     indicators = read.indicators
-    beside: str | RunComparison | None = against
+    reference: str | RunComparison | None = against
     if read.baseline is not None:
-        beside = runs = RunComparison(tests_of(str(run_dir), indicators, read.logs), read.baseline)
+        reference = runs = RunComparison(tests_of(str(run_dir), indicators, read.logs), read.baseline)
         runs.refuse_without_pairs()
     definitions = _with_rows(declared_tables(origin.tables), indicators)
-    tables = {one.name: build_table(indicators, one, beside) for one in definitions}
+    tables = {one.name: build_table(indicators, one, reference) for one in definitions}
     sheets = [arrange(tables[one.name], one) for one in definitions]
-    compared = beside if isinstance(beside, RunComparison) else None
+    compared = reference if isinstance(reference, RunComparison) else None
     comparison = compared.cells if compared else against_published(indicators, definitions)
-    conditions = by_condition(indicators, beside)
+    conditions = by_condition(indicators, reference)
     factors = factors_of(origin)
     effects = effects_of(factors, indicators)
     differs = differences(conditions.iter_rows(named=True))
@@ -121,7 +121,7 @@ def build_report(
     more = {**_main_effects(factors, indicators, effects), **(further(read.logs) if further else {})}
     said = compared.verdict if compared else verdict(comparison, differs) if against else ""
     dots = _dots(conditions, read.logs)
-    refitted = beside_refit(conditions) if against in AGAINST and _as_printed(read.logs) else None
+    refitted = against_refit(conditions) if against in AGAINST and _as_printed(read.logs) else None
     page = target / "report.html"
     replace_file(page, _page(run_dir, origin, read, all_sheets, said, more, dots, refitted, template))
     made = (run_dir, page, indicators, tables, sheets, conditions, by_name, comparison, differs, said, compared)
@@ -171,7 +171,7 @@ def _as_printed(logs: Sequence[TestLog]) -> bool:
 
 
 def _dots(conditions: pl.DataFrame, logs: Sequence[TestLog]) -> list[Dots]:
-    """Return the means of the run, and the published ones or a baseline's where any stands beside."""
+    """Return the means of the run, and the published ones or a baseline's where any stands next to it."""
     from hjcamp.records.log import observed
 
     rows = conditions.to_dicts()
@@ -190,7 +190,7 @@ def _with_rows(definitions: Sequence[TableDefinition], indicators: pl.DataFrame)
 def verdict(comparison: pl.DataFrame, differs: Mapping[str, Sequence[str]]) -> str:
     """Return one sentence on how far the means are from the published ones; empty where nothing compares.
 
-    ``differs`` are the reasons why no published value stands beside some conditions.
+    ``differs`` are the reasons why no published value stands next to some conditions.
     """
     if not comparison.height:
         return ""
@@ -241,7 +241,7 @@ def _page(
         small=spreads,
         explorer=explorer_html(read.shown),
         sheets=sheets,
-        beside=refitted,
+        open_sheet=refitted,
         pictures=pictures,
         further=more,
         origin=[*origin_facts(origin, logs), *read.notes],

@@ -23,7 +23,7 @@ Tolerances = dict[str, dict[str, float]]
 
 @dataclass(frozen=True)
 class Violation:
-    """One mean outside its tolerance; ``table`` names every table in which what is beside it is printed."""
+    """One mean outside its tolerance; ``table`` names every table in which what is next to it is printed."""
 
     table: str
     cell: str
@@ -34,20 +34,20 @@ class Violation:
     difference_in_std: float | None
     allowed: str
     condition: str = ""
-    beside: str = "published"
+    reference: str = "published"
     p: float | None = None
 
     def __str__(self) -> str:
-        cell, indicator, mean, beside, difference, allowed, tables = self.row
-        return f"{tables}: {cell}: {indicator} {mean}, {self.beside} {beside} ({difference}; allowed {allowed})"
+        cell, indicator, mean, reference, difference, allowed, tables = self.row
+        return f"{tables}: {cell}: {indicator} {mean}, {self.reference} {reference} ({difference}; allowed {allowed})"
 
     @property
     def row(self) -> tuple[str, ...]:
-        """Condition, indicator, mean, what is beside, difference, allowed, tables; as texts."""
-        in_std = f", {self.difference_in_std:+.1f} {self.beside} std" if self.difference_in_std is not None else ""
+        """Condition, indicator, mean, the reference, difference, allowed, tables; as texts."""
+        in_std = f", {self.difference_in_std:+.1f} {self.reference} std" if self.difference_in_std is not None else ""
         chance = f", p {self.p:.2g}" if self.p is not None else ""
         # Means of two runs may differ by less than the print of a text shows.
-        digits = 2 if self.beside == "published" else 4
+        digits = 2 if self.reference == "published" else 4
         return (
             self.cell,
             self.indicator,
@@ -59,15 +59,15 @@ class Violation:
         )
 
 
-def read_tolerances(source: str | Path, beside: str = "published") -> Tolerances:
+def read_tolerances(source: str | Path, reference: str = "published") -> Tolerances:
     """Return the tolerances of a YAML file, or the program's own for ``default``; `UsageError` for bad ones.
 
-    The file maps indicators to ``absolute`` (deg) and/or ``published_std`` (published standard deviations); beside a
+    The file maps indicators to ``absolute`` (deg) and/or ``published_std`` (published standard deviations); next to a
     baseline ``baseline_std`` (its deviations) or ``p`` (a mean passes whose corrected p is not below it). A cell passes
     when it is within any one given. Indicators that are not named are not checked.
     """
-    kinds = KINDS[beside]
-    path = DEFAULT[beside] if str(source) == "default" else Path(source)
+    kinds = KINDS[reference]
+    path = DEFAULT[reference] if str(source) == "default" else Path(source)
     if not path.exists():
         raise UsageError(f"tolerances {path}: there is no such file; a YAML file or 'default' is needed")
     content = read_yaml(path)
@@ -94,18 +94,20 @@ def check(
     """Return the cells of a comparison (`tables.aggregation.against_published`, `RunComparison.cells`) outside tolerances.
 
     `UsageError` where there is no cell to check, because an empty comparison must not pass; ``differs`` are the reasons
-    why no published value stands beside some conditions.
+    why no published value stands next to some conditions.
     """
-    limits = tolerances if isinstance(tolerances, dict) else read_tolerances(tolerances, _beside(comparison))
+    limits = tolerances if isinstance(tolerances, dict) else read_tolerances(tolerances, _reference(comparison))
     groups = means_of(comparison, limits)
     if not groups:
         why = "".join(f"; {len(names)} of them: {reason}" for reason, names in list((differs or {}).items())[:3])
-        raise UsageError(f"nothing to check: none of these conditions has a {_beside(comparison)} value with a tolerance{why}")
+        raise UsageError(
+            f"nothing to check: none of these conditions has a {_reference(comparison)} value with a tolerance{why}"
+        )
     found = []
     for (_, indicator), cells in groups.items():
         outside = [cell for cell in cells if not _within(cell, limits[indicator])]
         if outside:
-            found.append(_violation(outside[0], limits[indicator], _beside(comparison), tables_of(cells)))
+            found.append(_violation(outside[0], limits[indicator], _reference(comparison), tables_of(cells)))
     return found
 
 
@@ -123,7 +125,7 @@ def tables_of(cells: Sequence[Mapping[str, Any]]) -> str:
     return ", ".join(dict.fromkeys(cell["table"] for cell in cells))
 
 
-def _beside(comparison: pl.DataFrame) -> str:
+def _reference(comparison: pl.DataFrame) -> str:
     return "baseline" if "baseline_mean" in comparison.columns else "published"
 
 
@@ -137,7 +139,7 @@ def _within(cell: dict[str, Any], limits: dict[str, float]) -> bool:
     return any(in_unit[kind] is not None and abs(in_unit[kind]) <= limit for kind, limit in limits.items())
 
 
-def _violation(cell: dict[str, Any], limits: dict[str, float], beside: str, tables: str) -> Violation:
+def _violation(cell: dict[str, Any], limits: dict[str, float], reference: str, tables: str) -> Violation:
     name = " ".join(cell[group] for group in CHOICES if cell.get(group) is not None)
     name = f"{name} ({cell['condition']})" if name and cell.get("condition") else name or str(cell["condition"])
     allowed = " or ".join(
@@ -148,12 +150,12 @@ def _violation(cell: dict[str, Any], limits: dict[str, float], beside: str, tabl
         cell=name,
         indicator=cell["indicator"],
         mean=_number(cell["mean"]),
-        published=cell[f"{beside}_mean"],
+        published=cell[f"{reference}_mean"],
         difference=_number(cell["difference"]),
         difference_in_std=cell["difference_in_std"],
         allowed=allowed,
         condition=str(cell.get("condition")),
-        beside=beside,
+        reference=reference,
         p=cell.get("p_holm"),
     )
 

@@ -67,8 +67,8 @@ def junit_xml(suite: str, cells: pl.DataFrame, violations: Sequence[Violation], 
 
 
 def _outside(violations: Sequence[Violation]) -> Sheet:
-    beside = violations[0].beside
-    headers = ["condition", "indicator", "mean", beside, "difference", "allowed", "printed in"]
+    reference = violations[0].reference
+    headers = ["condition", "indicator", "mean", reference, "difference", "allowed", "printed in"]
     more = [f"{len(violations) - SHOWN} more are outside."] if len(violations) > SHOWN else []
     rows = [[Cell(text) for text in one.row] for one in violations[:SHOWN]]
     return Sheet("outside", "Outside the tolerances", "", headers, rows, more)

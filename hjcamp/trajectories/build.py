@@ -25,7 +25,7 @@ def build_trajectory(
 ) -> Trajectory:
     """Return the trajectory that a resolved ``trajectory`` group describes: ``kind``, ``name`` and parameters.
 
-    ``folders`` are the folders of kinds beside our own, by default the user's ``trajectories``. `UsageError` for an
+    ``folders`` are the folders of kinds next to our own, by default the user's ``trajectories``. `UsageError` for an
     unknown kind or parameter, a missing one, or a value that is not allowed.
     With a ``unit`` other than deg the parameters are named by it (``amplitude_mm``), and its numbers stand for degrees.
     """

@@ -42,7 +42,7 @@ class Helpers:
     def each(self, task: Callable[[Any, Item], Result], context: Any, items: Iterable[Item]) -> Iterator[Result]:
         """Yield ``task(context, item)`` in the order of the items.
 
-        Who asks does the last of those that no process has got yet; where a process is killed it does what is left.
+        Who asks does the last of those that no process has got yet; where a process is killed it does the rest.
         """
         items = list(items)
         path = self._shared(context) if len(items) > 1 else ""

@@ -107,8 +107,8 @@ def test_the_tour_of_another_machine_finds_what_its_program_hides(call: Call) ->
     answer = call("tour", "--plant", "--yes")
     assert answer.code == 0, answer.err
     assert "diagnosed   quadratic_drag   right" in answer.out
-    before, after, floor = SPINDLE.fall(Tour(Path("tour_plant"), SPINDLE))
-    assert after[1] < 1.5 * floor[1] < 10.0 < before[1]
+    before, after, noise_floor = SPINDLE.fall(Tour(Path("tour_plant"), SPINDLE))
+    assert after[1] < 1.5 * noise_floor[1] < 10.0 < before[1]
     for page in ("compare", "diagnose", "compare_held_out"):
         assert (Path("tour_plant") / page / "index.html").is_file()
 

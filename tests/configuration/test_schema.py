@@ -30,13 +30,13 @@ SETUPS = {
 
 def changed(config: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
     """Return a copy with another value at ``path`` (``a.b[0].c``)."""
-    twin = copy.deepcopy(config)
+    copied = copy.deepcopy(config)
     *parents, last = path.replace("[", ".").replace("]", "").split(".")
-    place: Any = twin
+    place: Any = copied
     for part in parents:
         place = place[int(part) if isinstance(place, list) else part]
     place[int(last) if isinstance(place, list) else last] = value
-    return twin
+    return copied
 
 
 def numbers_of(config: dict[str, Any]) -> Iterator[str]:

@@ -25,6 +25,7 @@ LONG_FUNCTIONS = {
 }
 LONG_FILES = {"hjcamp/diagnosis/decision/verdict.py": GOES, "hjcamp/diagnosis/selection/forward.py": GOES}
 FULL_FOLDERS = {
+    "hjcamp/commands": "one file for each command",
     "hjcamp/effects": "one file for each effect",
     "hjcamp/plants/pump_joint/answers": GOES,
 }

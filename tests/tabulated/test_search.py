@@ -64,7 +64,7 @@ def measured(rig, settings, seed=0):
 
 
 def searched(rig, cells, ledger):
-    effort = Effort(base=150, short=60, polish=80, refitted=2, twins=5, steps=2)
+    effort = Effort(base=150, short=60, polish=80, refitted=2, replicates=5, steps=2)
     names = ("controller_scale", "pump_bandwidth", "head_start")
     return Search(rig, cells, names, effort, 1, Crew(1), ledger, lambda text, share: None)
 
@@ -117,16 +117,18 @@ def test_what_the_linear_prediction_promises_is_what_a_fit_then_gains():
     step = search.step(0, search.bases()[0])
     assert step.rivals[0].names == ("controller_scale",)
     assert step.predicted == pytest.approx(step.gain, rel=0.15)
-    assert len(step.twins) == search.effort.twins and max(step.twins) < step.gain
+    assert len(step.replicates) == search.effort.replicates and max(step.replicates) < step.gain
 
 
 def test_a_gain_counts_by_the_less_of_what_was_promised_and_what_was_fitted():
     control, rival = Fit((), {}, 50.0), Fit(("pump_ratio",), {"pump_ratio": 0.1}, 30.0)
-    twins = [1.0, 3.0, 2.0, 6.0, 4.0]
-    assert Step(control, control, [rival], twins, 40.0).p_value == Step(control, control, [rival], twins).p_value < 0.01
-    assert Step(control, control, [rival], twins, 3.0).p_value > 0.3
+    replicates = [1.0, 3.0, 2.0, 6.0, 4.0]
+    assert (
+        Step(control, control, [rival], replicates, 40.0).p_value == Step(control, control, [rival], replicates).p_value < 0.01
+    )
+    assert Step(control, control, [rival], replicates, 3.0).p_value > 0.3
     # where nothing was refitted, what was promised
-    assert Step(control, control, [], twins, 3.0).p_value == Step(control, control, [rival], twins, 3.0).p_value
+    assert Step(control, control, [], replicates, 3.0).p_value == Step(control, control, [rival], replicates, 3.0).p_value
 
 
 def test_a_place_is_shared_from_where_its_candidate_does_nothing():

@@ -27,7 +27,7 @@ class Form(Generic[Machine]):
     names: tuple[str, ...] = ()
     ours: bool = True
     drivers: tuple[str, ...] = ()
-    alike: tuple[str, ...] = ()
+    similar: tuple[str, ...] = ()
     visible: bool = True
 
     @property
@@ -45,7 +45,7 @@ class Form(Generic[Machine]):
             "form_in_library": self.ours and bool(self.names),
             "verdict": self.verdict,
             "effects": list(self.names),
-            "alike": list(self.alike),
+            "alike": list(self.similar),
             "drivers": list(self.drivers),
         }
 

@@ -82,11 +82,11 @@ def _eccentric(periods: float) -> Build:
 
 SERVO_FORMS: tuple[Form, ...] = (
     *(_of_axis(form, "motor") for form in AXIS_FORMS if form.effect in OF_JOINT),
-    Form("sensor_offset", "steady", _lean, ("sensor_offset",), alike=("pendulum_weight", "constant_force")),
+    Form("sensor_offset", "steady", _lean, ("sensor_offset",), similar=("pendulum_weight", "constant_force")),
     Form("sensor_offset", "leaning", _leaning, (), False, ("time",), ("sensor_drift",)),
     Form("eccentricity", "once", _eccentric(1.0), ("eccentricity",)),
     Form("eccentricity", "five_times", _eccentric(5.0), ("eccentricity",), False, ("angle", "position")),
-    Form("stop", "hunt_crossley", _stop(0.0), ("hard_stop",), alike=("soft_stop",)),
+    Form("stop", "hunt_crossley", _stop(0.0), ("hard_stop",), similar=("soft_stop",)),
     Form("stop", "rubber", _stop(1.0), ("hard_stop",), False, ("angle", "position"), ("soft_stop",)),
     Form("sliding_weight", "square", _swing(sliding=0.03), (), False, ("angle", "velocity")),
 )
@@ -99,11 +99,11 @@ def _at(form: Form, place: str) -> Form:
     ends = {"coulomb_asymmetry": contact, "viscous_asymmetry": contact, "constant_force": body}
     if form.effect in OF_DRIVE:
         names = form.names
-        alike = tuple(f"{name}_at_motor_encoder" for name in form.alike)
+        similar = tuple(f"{name}_at_motor_encoder" for name in form.similar)
     else:
         names = tuple(f"{name}{ends.get(name, f'_at_{port}')}" for name in form.names)
-        alike = tuple(name if name == "command_delay" else f"{name}{ends.get(name, f'_at_{port}')}" for name in form.alike)
-    return replace(_of_axis(form, place), effect=f"{form.effect}_{place}", names=names, alike=alike)
+        similar = tuple(name if name == "command_delay" else f"{name}{ends.get(name, f'_at_{port}')}" for name in form.similar)
+    return replace(_of_axis(form, place), effect=f"{form.effect}_{place}", names=names, similar=similar)
 
 
 ROPE_FORMS: tuple[Form, ...] = (

@@ -89,7 +89,7 @@ def build_tanks_case(
     if observed is None:
         observed = bool(np.random.default_rng([seed, 403]).random() < 0.5)
     if observed:
-        chosen = replace(chosen, names=tuple(map(_at_gauge, chosen.names)), alike=tuple(map(_at_gauge, chosen.alike)))
+        chosen = replace(chosen, names=tuple(map(_at_gauge, chosen.names)), similar=tuple(map(_at_gauge, chosen.similar)))
     tanks = draw_tanks(seed, observed)
     changes = chosen.build(tanks, level, np.random.default_rng([seed, 409]))
     return TanksCase(tanks._replace(**changes), tanks, chosen, seed, observed)

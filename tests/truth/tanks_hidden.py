@@ -85,9 +85,9 @@ def _evaporation(tanks: Tanks, level: float, random: np.random.Generator) -> Cha
 FORMS: tuple[Form, ...] = (
     Form("leak", "linear", _leak, ("leakage_at_lower",)),
     Form("leak", "hole", _hole, ("leakage_at_lower",), False, ("level",), ("overflow_at_lower",)),
-    Form("overflow", "linear", _brim("lower", 1.0), ("overflow_at_lower",), alike=("leakage_at_lower",)),
+    Form("overflow", "linear", _brim("lower", 1.0), ("overflow_at_lower",), similar=("leakage_at_lower",)),
     Form("overflow", "weir", _brim("lower", 1.5), ("overflow_at_lower",), False, ("level",), ("leakage_at_lower",)),
-    Form("spill_over", "linear", _brim("upper", 1.0, True), ("spill_over",), alike=("overflow_at_upper",)),
+    Form("spill_over", "linear", _brim("upper", 1.0, True), ("spill_over",), similar=("overflow_at_upper",)),
     Form(
         "spill_over", "weir", _brim("upper", 1.5, True), ("spill_over",), False, ("level",), ("overflow_at_upper",)
     ),
@@ -97,13 +97,13 @@ FORMS: tuple[Form, ...] = (
     Form("dead_band", "soft", _plain("dead_form", 1.0, dead_band=1.0), ("dead_band",), False, ("command",)),
     Form("saturation", "hard", _saturation(0.0), ("saturation",)),
     Form("saturation", "soft", _saturation(1.0), ("saturation",), False, ("command",)),
-    Form("command_delay", "dead_time", _plain(delay=14.0), ("command_delay",), alike=("sensor_lag",)),
+    Form("command_delay", "dead_time", _plain(delay=14.0), ("command_delay",), similar=("sensor_lag",)),
     Form("command_delay", "two_lags", _plain("delay_form", 1.0, delay=20.0), ("command_delay",), False, ("command",), ("sensor_lag",)),
     Form("sensor_offset", "steady", _plain(signed=True, offset=0.6), ("sensor_offset",)),
     Form("sensor_offset", "fading", _plain(fading_offset=1.0), ("sensor_offset",), False, ("level",)),
-    Form("sensor_gain", "steady", _plain(signed=True, gain_error=0.15), (), False, alike=("sensor_gain",), visible=False),
+    Form("sensor_gain", "steady", _plain(signed=True, gain_error=0.15), (), False, similar=("sensor_gain",), visible=False),
     Form("sensor_gain", "curved", _plain(signed=True, curvature=0.25), (), False, ("level",), ("sensor_gain", "sensor_offset")),
-    Form("sensor_lag", "first_order", _plain(lag=14.0), ("sensor_lag",), alike=("command_delay",)),
+    Form("sensor_lag", "first_order", _plain(lag=14.0), ("sensor_lag",), similar=("command_delay",)),
     Form("sensor_lag", "second_order", _plain("lag_form", 1.0, lag=20.0), ("sensor_lag",), False, ("level",), ("command_delay",)),
     Form("sensor_drift", "linear", _drift(False), ("sensor_drift",)),
     Form("sensor_drift", "settling", _drift(True), ("sensor_drift",), False, ("time",)),

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from hjcamp.diagnosis.results.comparison import Comparison
-from hjcamp.commands.any_plant.words import NORMALISED, RUNS_AWAY, SLOW, WHOLE, end_words, floor_note, table
+from hjcamp.commands.any_plant.words import DIVERGES, NORMALISED, SLOW, WHOLE, end_words, noise_floor_note, table
 
 
 def print_comparison(console: Console, found: Comparison) -> None:
@@ -25,7 +25,7 @@ def print_comparison(console: Console, found: Comparison) -> None:
 
     print_head(console, found.analysis)
     table(console, *comparison_table(found))
-    print_wrapped(console, [floor_note(found.analysis)], 8)
+    print_wrapped(console, [noise_floor_note(found.analysis)], 8)
     print_wrapped(console, notes_on(found), 8)
     worse = [one.name for one in (*found.models, found.calibrated) if any(one.explained < 0.0)]
     if worse:
@@ -53,14 +53,14 @@ def further_off(found: Comparison) -> list[str]:
     last, here = found.models[-1], found.calibrated
     why = "the fit gives less weight to what scatters more, this number weights all equally; use it as it stands"
     said = worse_calibrated(last.name, last.score, here.score, why)
-    beside = [(here, "what is calibrated here"), *((one, one.name) for one in found.models)]
+    others = [(here, "what is calibrated here"), *((one, one.name) for one in found.models)]
     better = [
         f"{one.name} errs less in {sensor.quantity.replace('_', ' ')} than {label}, though its normalised error is "
         "larger: that weights "
         "all shapes of the error in all channels equally, each by its noise; an rms is mostly its largest shape, of "
         "which a fit gives up "
         "some for the others where something is missing."
-        for other, label in beside
+        for other, label in others
         for k, sensor in enumerate(found.analysis.measured.sensors)
         for one in found.models
         if one.rms[k] < (1.0 - MATTERS) * other.rms[k] and one.score > other.score
@@ -69,7 +69,7 @@ def further_off(found: Comparison) -> list[str]:
 
 
 def _share(explained: float) -> str:
-    """Return a share in percent; of a model that runs away no number is worth reading."""
+    """Return a share in percent; of a model that diverges no number is worth reading."""
     return f"{100.0 * explained:.2f} %" if explained > -100.0 else "far below 0"
 
 
@@ -79,7 +79,7 @@ def _error(value: float, unit: str) -> str:
 
 
 def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]]:
-    """Return the head and rows of a comparison: model, each channel's rms with the share explained, over the floor."""
+    """Return the head and rows of a comparison: model, each channel's rms with the share explained, over the noise floor."""
     from hjcamp.report.wording.channels import channel_label
 
     layout = found.analysis.windows.layout
@@ -99,11 +99,11 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
         ]
         for one in (*found.models, found.calibrated)
     ]
-    floor = found.analysis.floor.of_sensors(layout)
+    noise_floor = found.analysis.noise_floor.of_sensors(layout)
     rows.append(
         [
             "noise floor",
-            *(told(floor[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
+            *(told(noise_floor[k] * s.scale, s.unit) for k, s in enumerate(sensors)),
             *("" for _ in sensors),
             "1.00",
         ]
@@ -112,7 +112,7 @@ def comparison_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]
 
 
 def whole_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]] | None:
-    """Return the head and rows of a comparison over whole tests, which of them run away; nothing where none is looked at so."""
+    """Return the head and rows of a comparison over whole tests, which of them diverge; nothing where none is looked at so."""
     from hjcamp.report.wording.channels import channel_label
 
     sensors = found.analysis.measured.sensors
@@ -125,7 +125,7 @@ def whole_table(found: Comparison) -> tuple[tuple[str, ...], list[list[str]]] | 
             *map(_share, one.whole.explained),
         ]
         if one.whole
-        else [one.name, RUNS_AWAY, *[""] * (2 * len(sensors) - 1)]
+        else [one.name, DIVERGES, *[""] * (2 * len(sensors) - 1)]
         for one in models
     ]
     return (("model", *labels, *(f"{label} explained" for label in labels)), rows) if any(one.whole for one in models) else None

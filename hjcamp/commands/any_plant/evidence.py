@@ -23,10 +23,10 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     """Return the pictures of the evidence by name, in order."""
     from hjcamp.records.log import observed
     from hjcamp.report.pictures.evidence import (
-        draw_beside,
         draw_correlations,
         draw_gains,
         draw_missing,
+        draw_remaining_law,
         draw_worst_test,
     )
 
@@ -34,8 +34,8 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     found: dict[str, str] = {}
     if words.shows_a_law:
         found |= {f"missing_{name}": svg for name, svg in draw_missing(missing_of(words)).items()}
-    if verdict.effects and words.beside:
-        found["beside"] = draw_beside(beside_of(words))
+    if verdict.effects and words.beyond_names:
+        found["beside"] = draw_remaining_law(remaining_law_of(words))
     if verdict.swing:
         found["swing"] = draw_worst_test(*_swing(verdict.swing), observed="calibrated")
     models = {"calibrated": analysis.base}
@@ -66,7 +66,7 @@ def _without_starts(words: Words, model: Scored) -> Any:
 
 
 def missing_of(words: Words) -> Missing:
-    """Return what the calibrated model misses over the driver of the freest law, the named law there, and what is left."""
+    """Return what the calibrated model misses over the driver of the freest law, the named law there, and the residual."""
     from hjcamp.diagnosis.decision.free_curve import curve_of
     from hjcamp.diagnosis.decision.law_curve import law_curves
 
@@ -86,8 +86,8 @@ def missing_of(words: Words) -> Missing:
     return _missing(known, curve, _branches(words, known, curve), law, after, added)
 
 
-def beside_of(words: Words) -> Missing:
-    """Return the free law that is missing in addition to the named effects."""
+def remaining_law_of(words: Words) -> Missing:
+    """Return the non-parametric term that is missing in addition to the named effects."""
     from hjcamp.diagnosis.decision.free_curve import curve_of
 
     analysis, unknown = words.analysis, words.verdict.unknown
@@ -114,7 +114,7 @@ def _missing(
 
 
 def _branches(words: Words, known: Unknown, curve: dict[str, Any]) -> tuple[Branch, ...]:
-    """Return the curve of a free law, of each condition over the time of its tests where these have courses of their own."""
+    """Return the curve of a non-parametric term, of each condition over the time of its tests where these have courses of their own."""
     from hjcamp.report.pictures.evidence import Branch
     from hjcamp.report.wording.names import readable
 
@@ -162,7 +162,7 @@ def amplitude_band(candidates: list[dict[str, Any]], effects: Any, library: Any)
 
 
 def _after(words: Words, known: Unknown) -> Scored | None:
-    """Return the same free law beside the model with what was named, from the last look or fitted now."""
+    """Return the same non-parametric term in addition to the model with what was named, from the last look or fitted now."""
     search, model = words.analysis.search, words.verdict.model
     for step in reversed(search.steps):
         if step.before is model:

@@ -23,11 +23,11 @@ def exploration_of(found: PlantComparison) -> Exploration:
 
     layout = found.analysis.windows.layout
     tests, sensors = layout.measured.tests, layout.measured.sensors
-    floor = found.analysis.floor.of_sensors(layout)
-    floors = {one.field: float(floor[k] * one.scale) for k, one in enumerate(sensors)}
+    noise_floor = found.analysis.noise_floor.of_sensors(layout)
+    noise_floors = {one.field: float(noise_floor[k] * one.scale) for k, one in enumerate(sensors)}
     models, lesser = _models(found), [one.name for one in found.lesser]
     word = observed(test.log for test in tests)
-    shown = Exploration(len(tests), [one.name for one in models], floors, lesser, word)
+    shown = Exploration(len(tests), [one.name for one in models], noise_floors, lesser, word)
     for place, test in enumerate(modelled_tests(found)):
         errors = {one.name: {s.field: float(one.by_test[place, k] * s.scale) for k, s in enumerate(sensors)} for one in models}
         shown.add(test.name, test.condition, test.time, test.measured, test.models, errors)

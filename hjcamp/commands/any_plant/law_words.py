@@ -1,4 +1,4 @@
-"""What a free law of a diagnosis is, in words."""
+"""What a non-parametric term of a diagnosis is, in words."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 
-def free_law(row: Mapping[str, Any]) -> str:
-    """Return what a free law adds, where, and what it depends on."""
+def described_term(row: Mapping[str, Any]) -> str:
+    """Return what a non-parametric term adds, where, and what it depends on."""
     if row["quantity"] in ("gain", "value"):
         return f"{row['quantity']} of {row['port'].replace('_', ' ')} that depends on {row['driver'].replace('_', ' ')}"
     place, driver = row["port"], local_driver(row["driver"].rpartition("_")[2])
@@ -21,7 +21,7 @@ def free_law(row: Mapping[str, Any]) -> str:
 
 
 def state_of(row: Mapping[str, Any]) -> str:
-    """Return the state that drives a free law, in words, where it is called otherwise than what drives it at its place."""
+    """Return the state that drives a non-parametric term, in words, where it is called otherwise than what drives it at its place."""
     local, signal = row["driver"].rpartition("_")[2], row["signal"]
     named = (
         local in ("position", "velocity", "travel", "level") and signal != local and not signal.startswith(f"{row['port']}_")

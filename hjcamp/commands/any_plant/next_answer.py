@@ -89,7 +89,7 @@ def _pairs(pairs: Pairs, proposal: Proposal) -> list[dict[str, Any]]:
 
 
 def telling(done: PlantProposed) -> list[str]:
-    """Return in words which kinds of test tell the rivals apart."""
+    """Return in words which kinds of test distinguish the rivals."""
     from hjcamp.commands.any_plant.telling_words import telling_tests
 
     names = [name for one in done.proposal.question.rivals for name in one.names]
@@ -138,10 +138,10 @@ def sentences(done: PlantProposed) -> list[str]:
             "More repetitions lower that limit with the root of their number."
         )
     else:
-        alike = [key for key in proposal.question.pairs if proposal.together.get(key, 0.0) < _needed()]
+        similar = [key for key in proposal.question.pairs if proposal.together.get(key, 0.0) < _needed()]
         rivals = proposal.question.rivals
-        if alike:
-            pairs = ", ".join(f"{rivals[a].name} / {rivals[b].name}" for a, b in alike)
+        if similar:
+            pairs = ", ".join(f"{rivals[a].name} / {rivals[b].name}" for a, b in similar)
             found.append(f"Still indistinguishable after these tests: {pairs}.")
         if proposal.by_motion:
             found.append(
@@ -157,7 +157,7 @@ def sentences(done: PlantProposed) -> list[str]:
 
 
 def _left_out(done: PlantProposed) -> list[str]:
-    """Say which sets that the tests do not rule out are not told apart here, since so many at once are the most."""
+    """Say which sets that the tests do not rule out are not distinguished here, since so many at once are the most."""
     from hjcamp.diagnosis.design.rivals import MOST
 
     sets = [" + ".join(one) for one in done.diagnosis.get("confidence_set", ())]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def swing_words(row: Mapping[str, Any]) -> str:
-    """Say what swings by itself, how much of the error that is, and by what chance it would be there."""
+    """Say what oscillates by itself, how much of the error that is, and by what chance it would be there."""
     from hjcamp.report.wording.channels import channel_label
 
     return (
@@ -27,15 +27,15 @@ def swing_words(row: Mapping[str, Any]) -> str:
 
 def by_condition_words(row: Mapping[str, Any], before: float) -> list[str]:
     """Say what a base for each condition leaves, and which parameters differ."""
-    alike: dict[str, list[str]] = {}
+    similar: dict[str, list[str]] = {}
     for name, found in row["parameters"].items():
         values: dict[str, list[str]] = {}
         for condition, one in found["conditions"].items():
             value = told(one["value"], found["unit"]) if one.get("told", True) else "not identifiable"
             values.setdefault(value, []).append(condition)
         label = name.replace("_", " ").replace(DELAY, "delay of ")
-        alike[label] = [f"{value} in {' and '.join(where)}" for value, where in values.items()]
-    each = "; ".join(f"{label} is {', '.join(said)}" for label, said in alike.items())
+        similar[label] = [f"{value} in {' and '.join(where)}" for value, where in values.items()]
+    each = "; ".join(f"{label} is {', '.join(said)}" for label, said in similar.items())
     return [
         "No one set of parameters fits all conditions. Estimated for each alone, they leave "
         f"{plain(row['left'])} times the noise floor instead of {plain(before)}: {each}.",
@@ -45,7 +45,7 @@ def by_condition_words(row: Mapping[str, Any], before: float) -> list[str]:
 
 
 def constant_words(rows: Mapping[str, Mapping[str, Any]], before: float) -> list[str]:
-    """Say which constant of the plant's file may be another one, beside the error of the base ``before``, over the floor."""
+    """Say which constant of the plant's file may be another one, next to the error of the base ``before``, over the noise floor."""
     said = []
     for name, one in rows.items():
         label = name.replace("_", " ")
@@ -58,9 +58,9 @@ def constant_words(rows: Mapping[str, Mapping[str, Any]], before: float) -> list
 
 
 def over_time_words(row: Mapping[str, Any], repeated: bool, p_value: float) -> list[str]:
-    """Say of a free law over time what else it may be where no test was repeated, and what to do where conditions differ in it.
+    """Say what a non-parametric term over time may be where no test was repeated, and what to do where conditions differ in it.
 
-    A law over time may be claimed where residuals moved in time promise as much (``p_value``): then that is said.
+    A law over time may be claimed where residuals circularly shifted promise as much (``p_value``): then that is said.
     """
     if row["driver"] != "time":
         return []

@@ -64,7 +64,7 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
         equations_of(verdict.effects, library),
     ]
     if rows := words.candidates():
-        parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows), *map(page.note, words.beside_note)]
+        parts += [page.heading("Effects, best first"), page.table_of(CANDIDATES, rows), *map(page.note, words.added_note)]
         parts.append(
             page.note(
                 "t: of the paired differences over held-out blocks. Residual: the share of their error above repeatability that "
@@ -73,7 +73,7 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
         )
     whole = words.content["whole_tests"]
     parts += [page.heading("Error"), page.table_of(said.CHANNELS, said.channel_table(words.content["channels"], whole))]
-    parts.append(page.note(said.floor_note(analysis) + (f" {said.WHOLE_NOTE}" if whole else "")))
+    parts.append(page.note(said.noise_floor_note(analysis) + (f" {said.WHOLE_NOTE}" if whole else "")))
     parts.append(page.picture("The worst windows", pictures["windows"]))
     parts += [
         page.heading("Structure of the residuals"),
@@ -82,10 +82,10 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
     ]
     if worst := words.content["worst"]:
         parts += [page.heading("Worst conditions"), page.table_of(*worst_table(worst))]
-    beside = words.fitted_with
+    fitted_with = words.fitted_with
     parts += [
         page.heading("Calibrated first"),
-        page.table_of(said.calibrated(beside), said.calibration_table(words.content["calibration"], beside)),
+        page.table_of(said.calibrated(fitted_with), said.calibration_table(words.content["calibration"], fitted_with)),
     ]
     known, drawn = how_well_known(*fitted_parameters(words))
     pictures |= drawn
@@ -112,13 +112,15 @@ def write_comparison(found: PlantComparison, folder: Path, following: Sequence[s
 
     analysis = found.analysis
     layout = analysis.windows.layout
-    floor = analysis.floor.of_sensors(layout)
+    noise_floor = analysis.noise_floor.of_sensors(layout)
     everything = (*found.models, found.calibrated)
     pictures, captions = {}, {}
     for k, one in enumerate(layout.measured.sensors):
         captions[f"error_{one.field}"] = f"Error in {channel_label(one.field)}"
         bars = [(model.name, float(model.rms[k] * one.scale)) for model in everything]
-        pictures[f"error_{one.field}"] = draw_model_bars(channel_label(one.field), one.unit, bars, float(floor[k] * one.scale))
+        pictures[f"error_{one.field}"] = draw_model_bars(
+            channel_label(one.field), one.unit, bars, float(noise_floor[k] * one.scale)
+        )
     errors = {model.name: model.errors for model in everything}
     pictures["windows"] = draw_windows(
         *_stretch(analysis, errors, errors[found.calibrated.name]),
@@ -131,7 +133,7 @@ def write_comparison(found: PlantComparison, folder: Path, following: Sequence[s
     again = "with each test" if layout.memory else f"again every {plain(layout.width * layout.measured.period)} s"
     parts = [
         page.table_of(head, rows),
-        page.note(f"Error {over_windows(analysis)}. {said.floor_note(analysis)}"),
+        page.note(f"Error {over_windows(analysis)}. {said.noise_floor_note(analysis)}"),
         page.bullets(notes_on(found)),
         next_steps(following),
         *of_whole,

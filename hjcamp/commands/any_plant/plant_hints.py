@@ -21,7 +21,7 @@ ELSEWHERE = 10.0
 def plant_hints(
     windows: Windows, rows: Mapping[str, Mapping[str, Any]], unknowns: Iterable[Mapping[str, Any]], left: bool
 ) -> list[str]:
-    """Return all of these, of calibrated ``rows`` and ``unknowns`` that are shown; ``left``: no effect takes what is left."""
+    """Return all of these, of calibrated ``rows`` and ``unknowns`` that are shown; ``left``: no effect takes the residual."""
     measured = windows.layout.measured
     plant, found = measured.plant, early_inputs(measured.plant, rows, measured.period)
     return found + without_contact(plant, unknowns) + far_states(windows) + (without_position(plant) if left else [])

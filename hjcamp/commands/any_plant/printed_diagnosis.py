@@ -12,7 +12,7 @@ from hjcamp.commands.any_plant.words import (
     calibrated,
     calibration_table,
     channel_table,
-    floor_note,
+    noise_floor_note,
     table,
 )
 
@@ -28,16 +28,16 @@ def print_diagnosis(console: Console, words: Words) -> None:
 
     analysis = words.analysis
     print_head(console, analysis)
-    beside = words.fitted_with
-    table(console, calibrated(beside), calibration_table(words.content["calibration"], beside))
+    fitted_with = words.fitted_with
+    table(console, calibrated(fitted_with), calibration_table(words.content["calibration"], fitted_with))
     style = "yellow" if words.far_off and words.verdict.word == "nothing_missing" else STYLES.get(words.verdict.word, "yellow")
     console.print(words.title, style=style, markup=False, highlight=False)
     print_wrapped(console, words.sentences(), 8)
     if rows := words.candidates():
         table(console, CANDIDATES, rows)
-        print_wrapped(console, words.beside_note, 8)
+        print_wrapped(console, words.added_note, 8)
     console.print(f"error   {over_windows(analysis)}", markup=False)
     whole = words.content["whole_tests"]
     table(console, CHANNELS, channel_table(words.content["channels"], whole))
-    print_wrapped(console, [floor_note(analysis), *([WHOLE_NOTE] if whole else [])], 8)
+    print_wrapped(console, [noise_floor_note(analysis), *([WHOLE_NOTE] if whole else [])], 8)
     print_wrapped(console, words.worst(), 8, "worst")

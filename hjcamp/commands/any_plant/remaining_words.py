@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def most_remains(content: Mapping[str, Any], verdict: Verdict, source: str) -> list[str]:
-    """Say so where less than half of what lies above the floor was found in every channel, or one still errs by twice its floor."""
+    """Say so where less than half of what lies above the noise floor was found in every channel, or one still errs by twice that."""
     from hjcamp.report.wording.channels import channel_label
 
     rows = content["channels"]
@@ -45,7 +45,7 @@ def most_remains(content: Mapping[str, Any], verdict: Verdict, source: str) -> l
 
 
 def over_noise(content: Mapping[str, Any], source: str) -> list[str]:
-    """Say which sensor errs by twice its noise where alike moments differ by that: what acts otherwise in them makes that, too."""
+    """Say which sensor errs by twice its noise where near-replicates differ by that: what acts otherwise in them makes that, too."""
     from hjcamp.report.wording.channels import channel_label
 
     rows, errs = content["floor"], {name: row["augmented"] for name, row in content["channels"].items()}
@@ -60,7 +60,7 @@ def over_noise(content: Mapping[str, Any], source: str) -> list[str]:
 
 
 def remains(name: str, row: Mapping[str, Any], p: float) -> str:
-    """What a channel still errs by, beside chance, and what may be the reason."""
+    """What a channel still errs by, beyond chance, and what may be the reason."""
     chance = (
         f"and more than chance (p = {plain(p, 2)}): something may be missing that neither the library nor a non-parametric term "
         "describes."
@@ -104,5 +104,5 @@ def false_claims(shares: Mapping[str, float]) -> list[str]:
 
 
 def least(row: Mapping[str, Any]) -> float:
-    """Return the floor of a channel, or its noise where none is known."""
+    """Return the noise floor of a channel, or its noise where none is known."""
     return float(row["low"] if row["value"] is None else row["value"])

@@ -1,4 +1,4 @@
-"""Which kinds of test tell effects apart, in words."""
+"""Which kinds of test distinguish effects, in words."""
 
 from __future__ import annotations
 

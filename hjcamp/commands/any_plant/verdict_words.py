@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.untold import untold
 from hjcamp.commands.any_plant.bound_words import ends_of_laws, held_by_bounds, late_inputs, other_sizes
-from hjcamp.commands.any_plant.law_words import free_law, local_driver, state_of, with_article
+from hjcamp.commands.any_plant.law_words import described_term, local_driver, state_of, with_article
 from hjcamp.commands.any_plant.outside_words import (
     by_condition_words,
     constant_words,
@@ -24,7 +24,7 @@ from hjcamp.commands.any_plant.telling_words import telling_tests
 from hjcamp.commands.any_plant.words import (
     bound_word,
     end_words,
-    run_away_words,
+    divergence_words,
     still_words,
 )
 from hjcamp.diagnosis.levels import LEVEL
@@ -89,7 +89,7 @@ class Words:
 
     @property
     def far_off(self) -> tuple[str, Mapping[str, Any]] | None:
-        """The channel that errs most over its floor (its noise where none is known), where most of it is above that."""
+        """The channel that errs most over its noise floor (its noise where none is known), where most of it is above that."""
         from hjcamp.diagnosis.levels import MOST_OF_IT
 
         rows = self.content["floor"]
@@ -98,18 +98,18 @@ class Words:
 
     @property
     def shows_a_law(self) -> bool:
-        """Whether a free law was fitted whose curve can be shown."""
+        """Whether a non-parametric term was fitted whose curve can be shown."""
         steps = self.analysis.search.steps
         return bool((self.verdict.unknown and not self.verdict.effects) or (steps and steps[0].unknown))
 
     @property
-    def beside(self) -> bool:
-        """Whether the first free law is something beside the named effects, no other form of one of them."""
+    def beyond_names(self) -> bool:
+        """Whether the first non-parametric term is something in addition to the named effects, no other form of one of them."""
         return bool(self.content["unknowns"]) and not self.refined()
 
     def refined(self) -> list[str]:
-        """Return the named effects (of a group the first set) that act where the first free law does, or that it is another form of."""
-        from hjcamp.diagnosis.candidates.equivalence import alike_laws
+        """Return the named effects (of a group the first set) that act where the first non-parametric term does, or have its form."""
+        from hjcamp.diagnosis.candidates.equivalence import equivalent_laws
         from hjcamp.model.language.vocabulary import read_vocabulary
 
         if not self.content["unknowns"]:
@@ -122,11 +122,11 @@ class Words:
         return [
             name
             for name in (self.verdict.confidence_set[0] if self.verdict.word == "one_of" else self.verdict.effects)
-            if names & set(search.library[name].terms) or alike_laws(search.unknowns[first["law"]], search.library[name])
+            if names & set(search.library[name].terms) or equivalent_laws(search.unknowns[first["law"]], search.library[name])
         ]
 
     def _not_enough(self) -> str:
-        """Return in words why what can be told from the motion has no name."""
+        """Return in words why what can be identified from the motion has no name."""
         if refused := self.verdict.refused:
             one = len(refused) == 1
             verbs = ("improves", "explains") if one else ("improve", "explain")
@@ -170,15 +170,15 @@ class Words:
         verdict, error, first, found = self.verdict, self.content["error"], self._first_law, list[str]()
         if verdict.word == "outside_library" and first:
             found.append(
-                f"{with_article(free_law(first), begins=True)}, as a non-parametric term, predicts better than any "
+                f"{with_article(described_term(first), begins=True)}, as a non-parametric term, predicts better than any "
                 "effect of the library: "
-                f"it leaves {100.0 * left_of(first):.0f} % of {share_of(first, self.analysis.floor.source)}. Its curve is on the page, "
+                f"it leaves {100.0 * left_of(first):.0f} % of {share_of(first, self.analysis.noise_floor.source)}. Its curve is on the page, "
                 "and holds with the parameters in the column 'with what was found'."
             )
             found += over_time_words(first, self.analysis.measured.repeated, verdict.p_value)
-        if beside := self.content["follows_motion"]["beside_law"]:
+        if beyond_names := self.content["follows_motion"]["beside_law"]:
             found.append(
-                f"A regression on current motion and inputs still predicts {100.0 * beside:.0f} % of the remaining error (held-out "
+                f"A regression on current motion and inputs still predicts {100.0 * beyond_names:.0f} % of the remaining error (held-out "
                 "blocks): something else is missing as well, or it depends on the past."
             )
         if self.content["swings"]:
@@ -192,7 +192,7 @@ class Words:
         """Say what a regression on motion and inputs predicts that nothing else explains, or that nothing explains the error."""
         verdict, found = self.verdict, list[str]()
         if verdict.follows:
-            above = " above repeatability" if self.analysis.floor.source == "repetitions" else ""
+            above = " above repeatability" if self.analysis.noise_floor.source == "repetitions" else ""
             found.append(
                 f"A regression on current motion and inputs predicts {100.0 * verdict.follows:.0f} % of the error{above} (held-out "
                 f"blocks), but {self._not_enough()}: it may depend on several quantities, or on the past."
@@ -202,7 +202,7 @@ class Words:
                 found.append(f"Most predictive: {', '.join(told_most)}.")
             found += self._seldom()
         elif verdict.word == "outside_library" and not any(self.content[key] for key in ("unknowns", "swings", "by_condition")):
-            repeated = self.analysis.floor.source == "repetitions" and verdict.law_left == 1.0
+            repeated = self.analysis.noise_floor.source == "repetitions" and verdict.law_left == 1.0
             found.append(
                 "An effect of the library improves prediction but explains less than half of what is missing: it is not that."
                 if not repeated
@@ -230,13 +230,13 @@ class Words:
         verdict, first, found = self.verdict, self._first_law, list[str]()
         if verdict.word in ("effect", "one_of") and verdict.law_left > 0.05:
             left = 100.0 * min(verdict.law_left, 1.0)
-            if first and self.beside:
+            if first and self.beyond_names:
                 found.append(
-                    f"Something outside the library is missing as well: in addition to what was found, {with_article(free_law(first))} "
+                    f"Something outside the library is missing as well: in addition to what was found, {with_article(described_term(first))} "
                     f"explains the last {left:.0f} % of the error that can be explained. Its curve is on the page."
                 )
             else:
-                freest = with_article(free_law(first)) if first else "a regression on the motion"
+                freest = with_article(described_term(first)) if first else "a regression on the motion"
                 law = f"The law of {' or '.join(self.refined())}" if len(verdict.effects) > 1 and first else "The law"
                 found.append(f"{law} leaves {left:.0f} % of what {freest} explains: the true law has a different shape.")
         return found
@@ -245,7 +245,7 @@ class Words:
         """Say how large the error is, before and after, and by what chance it would be."""
         verdict, error, found = self.verdict, self.content["error"], list[str]()
         if verdict.word in ("effect", "one_of") or (verdict.word == "outside_library" and verdict.unknown):
-            source = self.analysis.floor.source
+            source = self.analysis.noise_floor.source
             found += most_remains(self.content, verdict, source) or over_noise(self.content, source)
         if verdict.word == "cannot_tell":
             return found
@@ -278,7 +278,7 @@ class Words:
             found += no_memory_words(self.content["candidates"], library, self.analysis.search.shortest_memory)
         held = [] if verdict.word == "cannot_tell" else held_by_bounds(rows)
         found += untold(self.analysis) + held + late_inputs(late, verdict.effects, period)
-        found += end_words(self.content["ends"]) + run_away_words(self.content) + still_words(self.content["still"])
+        found += end_words(self.content["ends"]) + divergence_words(self.content) + still_words(self.content["still"])
         left = not verdict.effects and bool(verdict.p_value <= LEVEL or self.far_off)
         found += never_alone(library) + plant_hints(self.analysis.windows, late, self.content["unknowns"][:1], left)
         return found
@@ -296,7 +296,9 @@ class Words:
 
     def worst(self) -> list[str]:
         """The conditions that err most with what was found."""
-        return worst_words(self.content["worst"], "the noise floor" if self.analysis.floor.source != "sensor" else "the noise")
+        return worst_words(
+            self.content["worst"], "the noise floor" if self.analysis.noise_floor.source != "sensor" else "the noise"
+        )
 
     def candidates(self) -> list[list[str]]:
         """Rows: effect, t, error left, parameter, value, 95 %."""
@@ -310,7 +312,7 @@ class Words:
         return rows
 
     @property
-    def beside_note(self) -> list[str]:
+    def added_note(self) -> list[str]:
         """What the sign before an effect says, where one of those shown has it."""
         others = dict.fromkeys(name for one in self.content["candidates"][:SHOWN] for name in one.get("beside", ()))
         return [f"+: added after {' and '.join(others)}; compared with the model that includes it."] if others else []
@@ -320,12 +322,14 @@ class Words:
         own = "" if model == "published" else f" --model {model}"
         # no law of an effect can know a course of its own in each condition
         curve = bool(self.content["unknowns"]) and not self.content["unknowns"][0]["apart_s"]
-        beside = (
-            [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing in addition"] if curve and self.beside else []
+        beyond_names = (
+            [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing in addition"]
+            if curve and self.beyond_names
+            else []
         )
         if self.verdict.word == "effect":
             added, named = " ".join(self.verdict.effects), "_and_".join(self.verdict.effects)
-            return [f"hjcamp add {added} {paths}{own} --as with_{named}", *beside]
+            return [f"hjcamp add {added} {paths}{own} --as with_{named}", *beyond_names]
         if self.verdict.word == "one_of":
             return (
                 [f"hjcamp next {paths}{own}"]
@@ -333,7 +337,7 @@ class Words:
                     f"hjcamp add {' '.join(one)} {paths}{own} --as with_{'_and_'.join(one)}"
                     for one in self.verdict.confidence_set[:2]
                 ]
-                + beside
+                + beyond_names
             )
         if self.verdict.word == "outside_library":
             if self.content["by_condition"] and not self.content["unknowns"]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 #: Of all channels and shapes together: no quotient of the errors printed beside it, so it is named for what it is.
 NORMALISED = "normalised error"
-FLOORS = {
+NOISE_FLOORS = {
     "repetitions": "noise floor: repeatability, what repetitions do not share",
     "near_replicates": "noise floor: repeatability estimated from near-replicates (Gamma test; no test was repeated), an upper bound",
     "sensor": "noise floor unknown: no repetitions and too few near-replicates; the sensor's noise in that part is "
@@ -28,22 +28,24 @@ FLOORS = {
 }
 
 
-def floor_note(analysis: Analysis) -> str:
-    """Return in words what the floor is; without repetitions with the sensors' own noise, which may be far below it."""
-    from hjcamp.diagnosis.results.channel_rows import floor_rows
+def noise_floor_note(analysis: Analysis) -> str:
+    """Return in words what the noise floor is; without repetitions with the sensors' own noise, which may be far below it."""
+    from hjcamp.diagnosis.results.channel_rows import noise_floor_rows
     from hjcamp.report.wording.channels import channel_label
 
-    source = analysis.floor.source
+    source = analysis.noise_floor.source
     if source != "near_replicates":
-        return f"{FLOORS[source]}."
-    noise = ", ".join(f"{channel_label(name)} {told(row['low'], row['unit'])}" for name, row in floor_rows(analysis).items())
-    return f"{FLOORS[source]}. The sensors' own noise in that part (third differences): {noise}."
+        return f"{NOISE_FLOORS[source]}."
+    noise = ", ".join(
+        f"{channel_label(name)} {told(row['low'], row['unit'])}" for name, row in noise_floor_rows(analysis).items()
+    )
+    return f"{NOISE_FLOORS[source]}. The sensors' own noise in that part (third differences): {noise}."
 
 
 def channel_table(
     rows: Mapping[str, Mapping[str, Any]], whole: Mapping[str, Mapping[str, Any]] | None = None
 ) -> list[list[str]]:
-    """Rows of a channel's error: before, after, floor, with the unit; then those of ``whole`` tests, where they are looked at."""
+    """Rows of a channel's error: before, after, noise floor, with the unit; then those of ``whole`` tests, where they are looked at."""
     from hjcamp.report.wording.channels import channel_label
 
     of_windows = [
@@ -57,7 +59,7 @@ def channel_table(
 
 
 def calibration_table(
-    rows: Mapping[str, Mapping[str, Any]], beside: Mapping[str, Mapping[str, Any]] | None = None
+    rows: Mapping[str, Mapping[str, Any]], fitted_with: Mapping[str, Mapping[str, Any]] | None = None
 ) -> list[list[str]]:
     """Rows of a base parameter: declared, here, 95 %, and its value ``beside`` what was found, where something was."""
     from hjcamp.diagnosis.estimation.intervals import limited
@@ -68,14 +70,14 @@ def calibration_table(
             told_like(row["published"], row),
             told_estimate(row),
             told_interval(row) + ("  at its bound" if limited(row) else ""),
-            *([_found(beside[name], row) if name in beside else ""] if beside else []),
+            *([_found(fitted_with[name], row) if name in fitted_with else ""] if fitted_with else []),
         ]
         for name, row in rows.items()
     ]
 
 
 def _found(row: Mapping[str, Any], alone: Mapping[str, Any]) -> str:
-    """Return a base parameter beside what was found, and whether a bound stops it."""
+    """Return a base parameter with what was found, and whether a bound stops it."""
     from hjcamp.diagnosis.estimation.intervals import limited
 
     return (told_estimate(row) if row.get("ci95") else told_like(row["value"], alone)) + (
@@ -83,13 +85,13 @@ def _found(row: Mapping[str, Any], alone: Mapping[str, Any]) -> str:
     )
 
 
-def calibrated(beside: object) -> tuple[str, ...]:
+def calibrated(fitted_with: object) -> tuple[str, ...]:
     """Return the headings of that table, with what was found or without."""
-    return (*CALIBRATED, "with what was found") if beside else CALIBRATED
+    return (*CALIBRATED, "with what was found") if fitted_with else CALIBRATED
 
 
-def run_away_words(content: Mapping[str, Any]) -> list[str]:
-    """Say which of two models runs away where the tests are simulated through, and the other does not, and what errs by more there."""
+def divergence_words(content: Mapping[str, Any]) -> list[str]:
+    """Say which of two models diverges where the tests are simulated through, and the other does not, and what errs by more there."""
     which = {"baseline": "The calibrated model", "augmented": "The model with what was found"}
     rows = [(name, *(one[key]["whole_rms"] for key in COMPARED), one["unit"]) for name, one in content["whole_tests"].items()]
     grown = [
@@ -99,7 +101,7 @@ def run_away_words(content: Mapping[str, Any]) -> list[str]:
     ]
     more = "With what was found the error of whole tests grows: {}. It may stand for something else, that acts slowly."
     return [
-        f"{which[one]} {RUNS_AWAY} in free simulation of these tests: it is valid near the measured states only."
+        f"{which[one]} {DIVERGES} in free simulation of these tests: it is valid near the measured states only."
         for one in content["runs_away"]
     ] + [more.format(one) for one in grown]
 
@@ -109,7 +111,7 @@ CHANNELS = ("channel", "calibrated", "with what was found", "noise floor")
 WHOLE = "each test simulated from its first sample on, begun where it fits best"
 SLOW = "Windows judge; what grows slowly, and what windows hardly determine of the parameters, shows in whole tests alone."
 WHOLE_NOTE = f"Whole tests: {WHOLE}. {SLOW}"
-RUNS_AWAY = "diverges or never forgets its initial state"
+DIVERGES = "diverges or never forgets its initial state"
 CALIBRATED = ("parameter", "declared", "here", "95 %")
 
 
@@ -154,7 +156,7 @@ def print_addition(console: Console, found: Addition, names: Sequence[str], path
     table(console, CHANNELS, channel_table(content["channels"], whole))
     said = f"Normalised error on held-out blocks: {error['before']:.2f} -> {error['after']:.2f}."
     slow = [WHOLE_NOTE] if whole else []
-    print_wrapped(console, [said, *helped(found, content), *run_away_words(content), *slow, *end_words(content["ends"])], 8)
+    print_wrapped(console, [said, *helped(found, content), *divergence_words(content), *slow, *end_words(content["ends"])], 8)
     console.print(f"model   {path}", markup=False)
 
 

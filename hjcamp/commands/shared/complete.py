@@ -117,9 +117,9 @@ def complete_plant(incomplete: str) -> list[str]:
     """Return the names of plants."""
 
     def found() -> list[str]:
-        from hjcamp.known_plants import plants_beside_faults
+        from hjcamp.known_plants import plants_and_faults
 
-        return starting(incomplete, plants_beside_faults()[0])
+        return starting(incomplete, plants_and_faults()[0])
 
     return quietly(found)
 

@@ -1,4 +1,4 @@
-"""How well each fitted parameter is known: the table beside the corner plot, in words, for any diagnosis."""
+"""How well each fitted parameter is known: the table next to the corner plot, in words, for any diagnosis."""
 
 from __future__ import annotations
 
@@ -54,23 +54,23 @@ def how_well_known(found: Sequence[Estimate], correlation: Array) -> tuple[list[
 
 def known_rows(found: Sequence[Estimate], correlation: Array) -> list[list[str]]:
     """Return the rows of the table: parameter, value, interval, which other is most like it, how much, what to mind."""
-    from hjcamp.report.pictures.corner import ALIKE, told_correlation
+    from hjcamp.report.pictures.corner import SIMILAR, told_correlation
     from hjcamp.report.wording.units import told_estimate, told_interval
 
-    rows, beside = [], _beside(correlation)
+    rows, others = [], _with_others(correlation)
     for place, one in enumerate(found):
         estimate = {"value": one.value, "unit": one.unit, "ci95": one.ci95}
         row = [one.label, told_estimate(estimate), told_interval(estimate)]
         most, said = "", ""
         if len(found) > 1:
-            other = int(np.argmax(beside[place]))
+            other = int(np.argmax(others[place]))
             most, said = found[other].label, told_correlation(float(correlation[place, other]))
-        alike = beside[place].max() > ALIKE
-        rows.append([*row, most, said, "at its bound" if one.at_bound else "hardly distinguishable" if alike else ""])
+        similar = others[place].max() > SIMILAR
+        rows.append([*row, most, said, "at its bound" if one.at_bound else "hardly distinguishable" if similar else ""])
     return rows
 
 
-def _beside(correlation: Array) -> Array:
+def _with_others(correlation: Array) -> Array:
     """Return sizes (k, k) of the correlations with others."""
     sizes = np.abs(correlation)
     np.fill_diagonal(sizes, -1.0)
@@ -79,5 +79,5 @@ def _beside(correlation: Array) -> Array:
 
 def _first(found: Sequence[Estimate], correlation: Array) -> list[int]:
     """Return the places of parameters in the order in which they deserve room."""
-    most = _beside(correlation).max(axis=1)
+    most = _with_others(correlation).max(axis=1)
     return sorted(range(len(found)), key=lambda place: (not found[place].effect, -float(most[place])))

@@ -1,4 +1,4 @@
-"""What the page of a diagnosis says of effects beyond numbers: their equations, a page of each, and pages beside it."""
+"""What the page of a diagnosis says of effects beyond numbers: their equations, a page of each, and pages next to it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from hjcamp.model.declare.effect import Effect
 
 PREFIX = "effect_"
-BESIDE = (("compare", "compare/index.html"), ("report", "report.html"), ("add", "add/index.html"))
+OTHER_PAGES = (("compare", "compare/index.html"), ("report", "report.html"), ("add", "add/index.html"))
 
 
 def equations_of(names: Sequence[str], library: Mapping[str, type[Effect]]) -> str:
@@ -28,7 +28,7 @@ def equations_of(names: Sequence[str], library: Mapping[str, type[Effect]]) -> s
 
 
 def write_effect_pages(folder: Path, names: Sequence[str], library: Mapping[str, type[Effect]]) -> None:
-    """Write the page of each effect that is a candidate beside the diagnosis."""
+    """Write the page of each effect that is a candidate next to the diagnosis."""
     from hjcamp.report.pages.catalogue_page import EffectEntry, effect_page
     from hjcamp.storage import whole_file
 
@@ -40,7 +40,7 @@ def write_effect_pages(folder: Path, names: Sequence[str], library: Mapping[str,
 
 def links(folder: Path) -> str:
     """Return links to the pages of the same run that are there."""
-    found = [(name, f"../{place}") for name, place in BESIDE if (folder.parent / place).is_file()]
+    found = [(name, f"../{place}") for name, place in OTHER_PAGES if (folder.parent / place).is_file()]
     if not found:
         return ""
     return "<p>" + " · ".join(f'<a href="{place}">{name}</a>' for name, place in found) + "</p>"

@@ -86,7 +86,7 @@ def write_answer(path: Path | None, answer: dict[str, Any]) -> None:
 
 
 def keep_answer(folder: Path, answer: dict[str, Any], name: str = "answer.json") -> None:
-    """Write the answer beside its page, where `hjcamp effects new NAME --from` finds it, whole or not at all."""
+    """Write the answer next to its page, where `hjcamp effects new NAME --from` finds it, whole or not at all."""
     from hjcamp.storage import whole_file
 
     with whole_file(folder / name) as stream:
@@ -112,7 +112,7 @@ def tell_of_views(console: Console, files: list[Path]) -> None:
 
 
 def folder_for(name: str, paths: Sequence[Path], answer: Path | None) -> Path:
-    """Return where pictures go: a folder ``name`` in the run folder, else beside the answer, else here; no link is one."""
+    """Return where pictures go: a folder ``name`` in the run folder, else next to the answer, else here; no link is one."""
     if len(paths) == 1 and (paths[0] / "logs").is_dir():
         return own_folder(paths[0] / name)
     has_folder = answer is not None and not _kept and (answer.is_file() or not answer.exists())

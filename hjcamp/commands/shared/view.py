@@ -25,7 +25,7 @@ MOST = 20
 
 @dataclass(frozen=True)
 class View:
-    """What was written for one viewer: what it opens, the command that does so, and what is left to a person."""
+    """What was written for one viewer: what it opens, the command that does so, and what a person has to do."""
 
     viewer: str
     files: tuple[Path, ...]

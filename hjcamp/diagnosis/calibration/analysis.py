@@ -13,13 +13,13 @@ from hjcamp.algebra import take_one_thread
 from hjcamp.diagnosis.calibration.active_bounds import held_away
 from hjcamp.diagnosis.calibration.contact_compliance import with_contact_forms
 from hjcamp.diagnosis.calibration.hidden_states import completed_states
-from hjcamp.diagnosis.calibration.multistart import BEGUN_APART, above_noise, begun_anew, best_begun, in_parts
+from hjcamp.diagnosis.calibration.multistart import BEGUN_APART, above_noise, best_begun, in_parts, refitted_from_model_states
 from hjcamp.diagnosis.calibration.prediction_windows import predictable, simulated_through
 from hjcamp.diagnosis.calibration.window_length import width_of
 from hjcamp.diagnosis.candidates.nonparametric_terms import courses_of, ranges_of, unknowns_of
 from hjcamp.diagnosis.candidates.visited_range import about_visited
 from hjcamp.diagnosis.data.feedthrough import may_be_late
-from hjcamp.diagnosis.data.repeatability import Floor, floor_of, repeatability_of
+from hjcamp.diagnosis.data.repeatability import NoiseFloor, noise_floor_of, repeatability_of
 from hjcamp.diagnosis.data.tests import MOST_DELAY, Measured
 from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, Fitted, Free, settled
 from hjcamp.diagnosis.residuals.kernels import Kernels
@@ -69,7 +69,7 @@ class Analysis:
     search: Search
     start: Candidate
     base: Scored
-    floor: Floor
+    noise_floor: NoiseFloor
 
     @property
     def measured(self) -> Measured:
@@ -141,7 +141,7 @@ def calibrated(
     known.base = dict(scored.fitted.candidate.base)
     layout, features = windows.layout, scored.fitted.features
     search.repeatability = repeatability_of(layout, features)
-    return Analysis(windows, search, candidate, scored, floor_of(layout, features))
+    return Analysis(windows, search, candidate, scored, noise_floor_of(layout, features))
 
 
 def _free_base(measured: Measured, start: Mapping[str, float]) -> tuple[dict[str, float], list[Free]]:
@@ -178,7 +178,7 @@ def _best_fit(search: Search, begun: Candidate, known: Known) -> Fitted:
         if layout.short or not known.keeps(fitted.candidate):
             names = layout.measured.plant.base_parameters
             fitted, known.apart = best_begun(windows, begun, fitted, names), True
-        fitted = begun_anew(windows, fitted)
+        fitted = refitted_from_model_states(windows, fitted)
     return in_parts(windows, fitted)
 
 

@@ -81,7 +81,7 @@ def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterab
     return best
 
 
-def begun_anew(windows: Windows, fitted: Fitted) -> Fitted:
+def refitted_from_model_states(windows: Windows, fitted: Fitted) -> Fitted:
     """Return the better of a fit and one whose unseen states begin where the fitted model leads them, from each test's start on.
 
     Readings may tell such a state in more than one place, as a speed of which nothing but the size is measured: then it stays about

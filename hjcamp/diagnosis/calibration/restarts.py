@@ -1,4 +1,4 @@
-"""Whether the base fits better from where a fit with something beside it has led it: then it had been calibrated to a poor minimum."""
+"""Whether the base fits better from where a fit with something added has led it: then it had been calibrated to a poor minimum."""
 
 from __future__ import annotations
 

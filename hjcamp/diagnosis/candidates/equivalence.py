@@ -21,11 +21,11 @@ def law_of(effect: type[Effect]) -> frozenset[tuple[str, frozenset[str]]] | None
     return found if any(drivers for _, drivers in found) else None
 
 
-def alike_laws(free: Unknown, named: type[Effect]) -> bool:
-    """Whether a free law is another form of a named one: over what drives it, in the same slot or in what a store gains and loses.
+def equivalent_laws(free: Unknown, named: type[Effect]) -> bool:
+    """Whether a non-parametric term is a form of a named one: over what drives it, in the same slot or in what a store gains and loses.
 
     Dry friction, which nothing drives, is a form of every law of that friction; what remembers is a form of none elsewhere. What
-    bends a value as it arrives, such as a limit, is a form of a free law of that value.
+    bends a value as it arrives, such as a limit, is a form of a non-parametric term of that value.
     """
     own, rubs = {*named.parameters, *named.terms}, kind_of(named) == "contact"
     drivers = [

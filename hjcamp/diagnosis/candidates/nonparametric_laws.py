@@ -84,7 +84,7 @@ def _sum_of_hats(
 
 
 class ForceOverPosition(_Hats, Effect, on="force", over="position", knots=12):
-    r"""A force on a body that depends on its position, alike in both directions.
+    r"""A force on a body that depends on its position, the same in both directions.
 
     .. math:: F \mathrel{+}= h(x)
     """
@@ -138,7 +138,7 @@ class FrictionOverTravel(_Hats, Effect, on="static coulomb", over="travel", knot
 
 
 class FrictionOverSpeed(_Hats, Effect, on="coulomb", over="speed", knots=6):
-    r"""Friction of a sliding contact that depends on its speed, alike in both directions.
+    r"""Friction of a sliding contact that depends on its speed, the same in both directions.
 
     .. math:: F_c \mathrel{+}= h(|v|)
     """
@@ -165,7 +165,7 @@ class FrictionOverLoad(_Hats, Effect, on="static coulomb", over="load", knots=6)
 
 
 class DampingOverTravel(_Hats, Effect, on="viscous", over="travel", knots=6):
-    r"""Viscous friction of a contact that depends on where it is: a magnet beside a disc, a film of oil that is squeezed.
+    r"""Viscous friction of a contact that depends on where it is: a magnet next to a disc, a film of oil that is squeezed.
 
     .. math:: C_v \mathrel{+}= h(x)
     """

@@ -52,7 +52,7 @@ def confidence_set(advantage: Array, apart: Array, alpha: float, seed: int = 1) 
     """Return the models that are not ruled out (Hansen, Lunde & Nason 2011, doi:10.3982/ECTA5771).
 
     ``advantage`` (models, models, blocks) is by how much the first is better than the second in each block, ``apart`` what each block
-    could tell the two apart by. The statistic is the largest t of all pairs, its law that under flips of the blocks' signs, the same
+    could distinguish the two by. The statistic is the largest t of all pairs, its law that under flips of the blocks' signs, the same
     for all pairs (Romano & Wolf 2005). A pair counts where its scores add up to more than log(1 / alpha).
     """
     left = list(range(len(advantage)))

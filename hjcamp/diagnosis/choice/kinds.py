@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
-from hjcamp.diagnosis.data.repeatability import Floor, floor_of
+from hjcamp.diagnosis.data.repeatability import NoiseFloor, noise_floor_of
 from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.estimation.gauss_newton import fit
 from hjcamp.diagnosis.residuals.balances import Balances
@@ -43,7 +43,7 @@ class Judged:
 
     search: Search
     base: Scored
-    repeatability: Floor
+    repeatability: NoiseFloor
     channels: tuple[slice, ...]
 
 
@@ -58,7 +58,7 @@ def judged(analysis: Analysis) -> Judged:
     plain = candidate.without(windows.forms)
     balances = Balances.of(layout, windows.kernels, plain, windows.readings(candidate)[1], search.blocks)
     if balances is None:
-        return Judged(search, base, analysis.floor, _slices(widths))
+        return Judged(search, base, analysis.noise_floor, _slices(widths))
     own = copy.copy(search)
     own.windows, own.steps = replace(windows, balances=balances), []
     own.windows.place = base.place
@@ -74,18 +74,18 @@ def _slices(widths: Sequence[int]) -> tuple[slice, ...]:
     return tuple(slice(low, high) for low, high in itertools.pairwise(ends))
 
 
-def _repeatability(layout: Layout, features: Array, predicted: int) -> Floor:
+def _repeatability(layout: Layout, features: Array, predicted: int) -> NoiseFloor:
     """Return what cannot be explained of features (windows, d), of which the first are ``predicted`` and the others balances.
 
     Without repetitions nothing but the sensors' noise is known of balances: they add up over blocks, whatever the motion of a window.
     """
-    whole = floor_of(layout, features)
+    whole = noise_floor_of(layout, features)
     if whole.source == "repetitions":
         return whole
-    own = floor_of(layout, features[:, :predicted])
+    own = noise_floor_of(layout, features[:, :predicted])
     moments = 2.0 * np.eye(features.shape[1])
     moments[:predicted, :predicted] = own.moments
-    return Floor(own.source, moments, own.usual)
+    return NoiseFloor(own.source, moments, own.usual)
 
 
 def _base(search: Search, base: Scored, balances: Balances) -> Scored:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.calibration.sufficiency import what_lacks
-from hjcamp.diagnosis.candidates.equivalence import alike_laws
+from hjcamp.diagnosis.candidates.equivalence import equivalent_laws
 from hjcamp.diagnosis.choice.comparison_of_models import confidence_set, nested_choice, not_worse
 from hjcamp.diagnosis.choice.kinds import judged
 from hjcamp.diagnosis.choice.subsets import Blocks, Column, Ranked, best_settings, kept_by_blocks, pairs_of
@@ -144,7 +144,7 @@ class Page:
         search = self.search
         free = [search.unknowns[name] for name in set(laws)]
         able = (name for name in search.library if search.may_be_added(name, self.base.names))
-        return {name for name in able if any(alike_laws(one, search.library[name]) for one in free)}
+        return {name for name in able if any(equivalent_laws(one, search.library[name]) for one in free)}
 
     def fits(self, chosen: dict[tuple[int, ...], set[int]], columns: Sequence[Column]) -> list[tuple[Scored, set[int]]]:
         """Return a fit of every set of candidates, whatever its settings, with the blocks that chose it."""

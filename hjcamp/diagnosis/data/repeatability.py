@@ -21,7 +21,7 @@ MOTION_ORDERS = 3
 
 
 @dataclass(frozen=True)
-class Floor:
+class NoiseFloor:
     """Second moments (d, d) of what cannot be explained, in units of the sensors' noise, and where they come from.
 
     ``moments`` have one unit of noise more than that, as the likelihood gives it to what a model leaves: sizes of both compare.
@@ -79,17 +79,17 @@ def repeatability_of(layout: Layout, features: Array) -> Repeatability:
     return Repeatability(squares, np.maximum(half, MATTERS * squares))
 
 
-def not_above(floor: Floor, features: Array) -> Floor:
-    """Return the floor, or that of the sensors where a model leaves less (features (windows, d)) than alike moments differ by.
+def not_above(noise_floor: NoiseFloor, features: Array) -> NoiseFloor:
+    """Return the noise floor, or that of the sensors where a model leaves less (features (windows, d)) than near-replicates differ by.
 
-    Then the moments were not alike enough to say anything.
+    Then the moments were not similar enough to say anything.
     """
-    if floor.source != "near_replicates":
-        return floor
+    if noise_floor.source != "near_replicates":
+        return noise_floor
     left = features.T @ features / len(features) + np.eye(features.shape[1])
-    if np.linalg.slogdet(left)[1] >= np.linalg.slogdet(floor.moments)[1]:
-        return floor
-    return Floor("sensor", 2.0 * np.eye(features.shape[1]))
+    if np.linalg.slogdet(left)[1] >= np.linalg.slogdet(noise_floor.moments)[1]:
+        return noise_floor
+    return NoiseFloor("sensor", 2.0 * np.eye(features.shape[1]))
 
 
 def in_units(squares: Array, layout: Layout) -> Array:
@@ -98,23 +98,23 @@ def in_units(squares: Array, layout: Layout) -> Array:
     return np.asarray(layout.measured.noise * np.sqrt(each / layout.width))
 
 
-def floor_of(layout: Layout, features: Array) -> Floor:
-    """Return the floor by features (windows, d) of a calibrated model."""
+def noise_floor_of(layout: Layout, features: Array) -> NoiseFloor:
+    """Return the noise floor by features (windows, d) of a calibrated model."""
     d = features.shape[1]
     repeated = _of_repetitions(layout, features)
     if repeated is not None:
         moments = repeated.T @ repeated / len(repeated) + np.eye(d)
         # repetitions of one course may be rounded alike: what they differ by is no less than the sensors' noise
         rounded = float(np.trace(np.linalg.inv(moments))) / d
-        return Floor("repetitions", moments, math.hypot(usual_size(repeated, moments), math.sqrt(rounded)))
+        return NoiseFloor("repetitions", moments, math.hypot(usual_size(repeated, moments), math.sqrt(rounded)))
     # what is simulated through depends on more of the past than a window shows: windows that are alike need not err alike
     near = None if layout.memory else _of_neighbours(layout, features)
-    if near is not None and not _alike_by_no_means(near, features):
-        return Floor("near_replicates", near + np.eye(d))
-    return Floor("sensor", 2.0 * np.eye(d))
+    if near is not None and not _near_replicates_uninformative(near, features):
+        return NoiseFloor("near_replicates", near + np.eye(d))
+    return NoiseFloor("sensor", 2.0 * np.eye(d))
 
 
-def _alike_by_no_means(near: Array, features: Array) -> bool:
+def _near_replicates_uninformative(near: Array, features: Array) -> bool:
     """Whether windows of like motion differ by most of what any windows do, far above the noise: that is scatter, or a structure finer
     than their likeness, and no one can tell.
     """

@@ -27,7 +27,7 @@ def apart_by_course(tests: Sequence[MeasuredTest]) -> tuple[MeasuredTest, ...]:
     groups: dict[str, list[list[int]]] = {}
     for place, test in enumerate(tests):
         known = groups.setdefault(test.condition, [])
-        group = next((one for one in known if _alike(tests[one[0]], test)), None)
+        group = next((one for one in known if _similar(tests[one[0]], test)), None)
         if group is None:
             known.append(group := [])
         group.append(place)
@@ -42,14 +42,14 @@ def apart_by_course(tests: Sequence[MeasuredTest]) -> tuple[MeasuredTest, ...]:
     return tuple(found)
 
 
-def _alike(first: MeasuredTest, second: MeasuredTest) -> bool:
+def _similar(first: MeasuredTest, second: MeasuredTest) -> bool:
     if _shared(first.readings, second.readings):
         return True
     driven = np.any(np.ptp(first.inputs, axis=0) > 0.0) or np.any(np.ptp(second.inputs, axis=0) > 0.0)
-    return _shared(first.inputs, second.inputs) and (bool(driven) or _begin_alike(first.readings, second.readings))
+    return _shared(first.inputs, second.inputs) and (bool(driven) or _same_start(first.readings, second.readings))
 
 
-def _begin_alike(one: Array, other: Array) -> bool:
+def _same_start(one: Array, other: Array) -> bool:
     """Whether columns (n, m) begin within a tenth of what they do, each of its own rms."""
     both = np.concatenate([one, other])
     apart = one[:FIRST].mean(axis=0) - other[:FIRST].mean(axis=0)

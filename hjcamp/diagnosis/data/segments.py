@@ -84,7 +84,7 @@ class Layout:
 
     @cached_property
     def begins(self) -> NDArray[np.int64]:
-        """1 where a test begins, 2 where another window of it begins anew, else 0 (n,)."""
+        """1 where a test begins, 2 where another window of it begins again, else 0 (n,)."""
         marks = np.zeros(len(self.of_test) * self.width, dtype=np.int64)
         marks[:: self.width] = 0 if self.memory else 2
         first = np.concatenate([[0], np.cumsum(self.counts)])[:-1]

@@ -49,7 +49,7 @@ def without_passed(values: Array, inputs: Array, most: int) -> Array:
 
 
 def noise_beyond(values: Array, step: float) -> float:
-    """Return the standard deviation of white noise that readings (n,) certainly have beside the ``step`` of a counter; 0 where none.
+    """Return the standard deviation of white noise that readings (n,) certainly have next to the ``step`` of a counter; 0 where none.
 
     The lesser of the median of the absolute eighth differences and the quietest eighth of the spectrum, less its error: a kink of the
     motion shows in the one alone, rounding of an even motion in the other.

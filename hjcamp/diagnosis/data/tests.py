@@ -103,7 +103,7 @@ class Measured:
         return np.array([read if said is None else said for read, said in zip(median, declared, strict=True)])
 
     def _noise_in(self, test: MeasuredTest, k: int, step: float) -> float:
-        """Return the noise of a sensor in a test: no more than it has beside what inputs pass on to it at once."""
+        """Return the noise of a sensor in a test: no more than it has in addition to what inputs pass on to it at once."""
         readings = within(test.readings[:, k], *self.ends[k])
         read = noise_of(readings, step)
         passed = [j for j in passed_to(self.plant, self.sensors[k].field) if np.ptp(test.inputs[:, j]) > 0.0]
@@ -131,7 +131,7 @@ class Measured:
 
     @cached_property
     def still(self) -> dict[str, float]:
-        """The recorded inputs, by field, that keep one value in all tests, SI: nothing can be told of how these act."""
+        """The recorded inputs, by field, that keep one value in all tests, SI: nothing can be identified of how these act."""
         places = enumerate(_inputs_of(self.plant).values())
         recorded = {field: k for k, field in places if all(field in one.log.command_phase for one in self.tests)}
         found = {

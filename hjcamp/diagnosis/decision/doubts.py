@@ -27,11 +27,11 @@ def doubt_of_nothing(analysis: Analysis, p_value: float) -> str:
     """
     if doubt := held_by_bounds(analysis) or _without_memory(analysis):
         return doubt
-    if analysis.floor.source == "repetitions":
+    if analysis.noise_floor.source == "repetitions":
         return ""
     shown = p_value <= LEVEL
     nearest, doubt = _nearest(analysis) if shown else "", ""
-    if shown and analysis.floor.source == "sensor":
+    if shown and analysis.noise_floor.source == "sensor":
         doubt = _late(analysis, p_value) or ("" if nearest else not_in_windows(analysis, analysis.search.steps[0]))
     if doubt:
         return doubt

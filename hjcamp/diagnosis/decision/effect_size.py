@@ -25,7 +25,7 @@ def functional(analysis: Analysis, name: str, model: Scored, parameters: Mapping
     change = windows.features(model.fitted.candidate.without({name})) - model.fitted.features
     windows.place = kept
     rms = in_units(np.nan_to_num(np.mean(change**2, axis=0)), layout)
-    most = int(np.argmax(rms / np.maximum(analysis.floor.of_sensors(layout), 1e-300)))
+    most = int(np.argmax(rms / np.maximum(analysis.noise_floor.of_sensors(layout), 1e-300)))
     sensor = layout.measured.sensors[most]
     value = float(rms[most] * sensor.scale)
     return {

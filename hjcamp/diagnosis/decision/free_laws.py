@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
-from hjcamp.diagnosis.candidates.equivalence import alike_laws
+from hjcamp.diagnosis.candidates.equivalence import equivalent_laws
 from hjcamp.diagnosis.candidates.nonparametric_terms import Unknown
 from hjcamp.diagnosis.selection.forward import Search
 from hjcamp.diagnosis.selection.scored import Scored
@@ -57,4 +57,4 @@ def further_law(analysis: Analysis, model: Scored, unknown: Scored | None) -> tu
 def _forms(search: Search, free: Scored, names: tuple[str, ...]) -> tuple[str, ...]:
     """Return the names of which the free law of a model is another form."""
     law: Unknown = next(search.unknowns[name] for name in free.names if name in search.unknowns)
-    return tuple(name for name in names if alike_laws(law, search.library[name]))
+    return tuple(name for name in names if equivalent_laws(law, search.library[name]))

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
-from hjcamp.diagnosis.candidates.equivalence import alike_laws
+from hjcamp.diagnosis.candidates.equivalence import equivalent_laws
 from hjcamp.diagnosis.levels import MATTERS, MOST_OF_IT
 from hjcamp.diagnosis.selection.scored import Scored, Step
 from hjcamp.model.declare.candidate import Candidate
@@ -39,11 +39,12 @@ def confidence_set(analysis: Analysis, model: Scored, added: tuple[str, ...], un
                 beside = len(added) > 1 and other in search.of_same_law(name, model)
                 takes = beside or search.error_ratio(one, step.before) <= 1.0 - MATTERS
                 takes = takes and not search.of_no_memory(one, step.before)
-                formless = any(all(alike_laws(law, search.library[each]) for each in (name, other)) for law in free)
+                formless = any(all(equivalent_laws(law, search.library[each]) for each in (name, other)) for law in free)
                 formless = formless and taken(step.before, one) >= MOST_OF_IT * taken(step.before, best)
                 # a free law that is another form of the name, and none of the rival, predicts better than that
                 strange = len(added) == 1 and any(
-                    alike_laws(law, search.library[name]) and not alike_laws(law, search.library[other]) for law in free
+                    equivalent_laws(law, search.library[name]) and not equivalent_laws(law, search.library[other])
+                    for law in free
                 )
                 own = _of(step, name)
                 # that a free law rules a rival out does not speak for a name that leaves no less than the rival

@@ -12,7 +12,7 @@ from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.calibration.multistart import above_noise
 from hjcamp.diagnosis.calibration.sufficiency import what_lacks
 from hjcamp.diagnosis.calibration.window_length import longest_width
-from hjcamp.diagnosis.candidates.equivalence import alike_laws
+from hjcamp.diagnosis.candidates.equivalence import equivalent_laws
 from hjcamp.diagnosis.data.repeatability import in_units, usual_size
 from hjcamp.diagnosis.data.segments import SHORTEST
 from hjcamp.diagnosis.decision.borne_out import not_borne_out
@@ -130,7 +130,7 @@ def _beside_a_course(analysis: Analysis, verdict: Verdict) -> Verdict:
         return verdict
     left = in_units(np.mean(model.fitted.features**2, axis=0), layout)
     noise = in_units(np.ones(model.fitted.features.shape[1]), layout)
-    least = analysis.floor.of_sensors(layout) if analysis.floor.source == "repetitions" else noise
+    least = analysis.noise_floor.of_sensors(layout) if analysis.noise_floor.source == "repetitions" else noise
     if not np.any(least < (1.0 - MOST_OF_IT) * left):
         return verdict
     analysis.search.admit(analysis.search.drifts())
@@ -324,16 +324,16 @@ def _far_above_floor(analysis: Analysis, model: Scored) -> bool:
 
     What a model misses in few windows alone, about reversals for one, is no such thing.
     """
-    floor = analysis.floor
-    return floor.usual < (1.0 - MOST_OF_IT) * usual_size(model.features, floor.moments)
+    noise_floor = analysis.noise_floor
+    return noise_floor.usual < (1.0 - MOST_OF_IT) * usual_size(model.features, noise_floor.moments)
 
 
 def _hardly_touched(analysis: Analysis, model: Scored) -> bool:
     """Whether a model leaves most of what lies above the difference of alike moments, in every sensor that errs twice as much (rms)."""
-    layout, floor = analysis.windows.layout, analysis.floor
-    if floor.source != "near_replicates":
+    layout, noise_floor = analysis.windows.layout, analysis.noise_floor
+    if noise_floor.source != "near_replicates":
         return False
-    least = floor.of_sensors(layout)
+    least = noise_floor.of_sensors(layout)
     before, after = (in_units(np.mean(one.features**2, axis=0), layout) for one in (analysis.base, model))
     share = 1.0 - MOST_OF_IT
     far = least < share * before
@@ -343,7 +343,7 @@ def _hardly_touched(analysis: Analysis, model: Scored) -> bool:
 
 def _least(analysis: Analysis) -> float:
     """Return the size of the floor."""
-    moments = analysis.floor.moments
+    moments = analysis.noise_floor.moments
     return math.exp(0.5 * float(np.linalg.slogdet(moments)[1]) / len(moments))
 
 
@@ -391,7 +391,7 @@ def _covered(analysis: Analysis, model: Scored, unknown: Scored, name: str) -> b
     if search.matters(unknown, rest):
         return False
     laws = [search.unknowns[one] for one in rest.names if one in search.unknowns]
-    if not any(alike_laws(law, search.library[name]) for law in laws) and search.beats(rest, model):
+    if not any(equivalent_laws(law, search.library[name]) for law in laws) and search.beats(rest, model):
         return True
     less = search.fitted(model.fitted.candidate.without([name]))
     return taken(less, model) < MOST_OF_IT * taken(less, rest)

@@ -108,7 +108,7 @@ def propose(analysis: Analysis, question: Question, tests: int = 3, report: Repo
 
 
 def _stays(simulated: Windows, test: int) -> bool:
-    """Whether a rival does not run away in a test, not in its last window either."""
+    """Whether a rival does not diverge in a test, not in its last window either."""
     layout = simulated.layout
     return bool(np.isfinite(layout.readings[np.repeat(layout.of_test, layout.width) == test]).all())
 
@@ -142,7 +142,7 @@ def _smaller(question: Question, each: dict[tuple[int, int], float]) -> Pairs:
 
 
 def _score(pairs: Pairs) -> float:
-    """Return what separations are worth: a pair that is still alike counts more than one that is apart already."""
+    """Return what separations are worth: a pair that is still similar counts more than one that is apart already."""
     return float(np.mean([np.log1p(value) for value in pairs.values()])) if pairs else 0.0
 
 

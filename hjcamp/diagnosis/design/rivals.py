@@ -49,7 +49,7 @@ class Rival:
 
 @dataclass(frozen=True)
 class Question:
-    """What is to be told apart: rivals, and ordered pairs of them (true, other): each true one against a refit of the other."""
+    """What is to be distinguished: rivals, and ordered pairs of them (true, other): each true one against a refit of the other."""
 
     rivals: tuple[Rival, ...]
     contests: tuple[tuple[int, int], ...]

@@ -39,7 +39,7 @@ LEAST = 0.7
 
 @dataclass(frozen=True)
 class Contest:
-    """Rival A true with one set of its parameters, B beside it: white differences (windows, d), their slopes (windows, d, free).
+    """Rival A true with one set of its parameters, B added to it: white differences (windows, d), their slopes (windows, d, free).
 
     ``held`` (free, free) is what the tests so far say of B's parameters, ``noise`` (measured windows, d) what A leaves, white,
     ``of_test`` (windows,) the simulated test of each window.
@@ -107,7 +107,7 @@ def refitted(analysis: Analysis, simulated: Windows, truth: Rival, other: Rival,
 
 
 def deviate(left: Array, noise: Array, worse: float = 0.0) -> float:
-    """Return the mean advantage over its standard deviation, for white differences (windows, d) beside shifts of white noise.
+    """Return the mean advantage over its standard deviation, for white differences (windows, d) relative to shifts of white noise.
 
     ``worse`` is what the refit costs on the measured tests, in the same units.
     """

@@ -59,7 +59,7 @@ def held_by_loop(analysis: Analysis) -> bool:
 
 
 def run(windows: Windows, candidate: Candidate, inputs: Array, begins: NDArray[np.bool_], starts: Array) -> tuple[Array, Array]:
-    """Return readings (n, sensors) and plant states (n, states) under ``inputs`` (n parts, inputs), begun anew where ``begins`` (n,).
+    """Return readings (n, sensors) and plant states (n, states) under ``inputs`` (n parts, inputs), begun again where ``begins`` (n,).
 
     ``starts`` has a row for each of these places. Effects keep their own states within a test.
     """

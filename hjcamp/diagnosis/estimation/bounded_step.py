@@ -18,7 +18,7 @@ def bounded_step(curvature: Array, downhill: Array, low: Array, high: Array) -> 
     .. math:: \min_x \tfrac12 x^T H x - g^T x, \quad low \le x \le high, \quad |x_k| \le 2
 
     for the curvature H (p, p) and the downhill slope g (p,). What stands at a bound and pulls outwards stays there, and the others
-    move as is best beside it; a step that is cut at the bound afterwards leads the others astray. Bounds are of the step, so that
+    move as is best with it; a step that is cut at the bound afterwards leads the others astray. Bounds are of the step, so that
     ``low`` is not above 0 and ``high`` not below (Stark & Parker 1995, Bounded-variable least-squares).
     """
     from scipy.optimize import lsq_linear

@@ -213,7 +213,7 @@ def _lent(windows: Windows, candidate: Candidate, free: Sequence[Free], base: Ar
 def settled(windows: Windows, start: Candidate, free: Sequence[Free], near: Fitted | None = None, turns: int = TURNS) -> Fitted:
     """Return the fit with the windows' starts moved along: fit, move the starts, and fit again until nothing is gained.
 
-    In the end they are moved once more, so that what is left is judged by what the starts of this very model explain.
+    In the end they are moved once more, so that the residual is judged by what the starts of this very model explain.
     """
     found = fit(windows, start, free, near=near)
     for _ in range(turns):

@@ -35,7 +35,7 @@ def whitener(features: Array) -> Array:
 def size(features: Array) -> float:
     """Return one size of the features: the geometric mean of their standard deviations along independent directions.
 
-    Infinite where a model runs away.
+    Infinite where a model diverges.
     """
     return float(np.exp(0.5 * _volume(features) / features.shape[1]))
 

@@ -93,7 +93,7 @@ class Passage:
         known[1:] &= finite[:-1]
         jumps = np.zeros((*slopes.shape[:2], int(unseen.sum())))
         if unseen.any() and known.any():
-            jumps = _weighed(_beside(slopes, unseen), _spread(shifts, told, passed, known)[:, unseen][:, :, unseen])
+            jumps = _weighed(_orthogonal_part(slopes, unseen), _spread(shifts, told, passed, known)[:, unseen][:, :, unseen])
         unsure = None if memory is None else _unsure(memory, whole - slopes, spans, moves, known)
         return cls(spans, shifts, told, passed, jumps, unseen, known, moves[:, plain:], own, unsure)
 
@@ -249,7 +249,7 @@ def _tests(of_test: NDArray[np.int64]) -> list[NDArray[np.int64]]:
     return [np.flatnonzero(of_test == test) for test in np.unique(of_test)]
 
 
-def _beside(slopes: Array, unseen: NDArray[np.bool_]) -> Array:
+def _orthogonal_part(slopes: Array, unseen: NDArray[np.bool_]) -> Array:
     """Return what unseen states' starts change (windows, coefficients, unseen states) beyond what those of measured ones could."""
     if unseen.all():
         return slopes

@@ -42,7 +42,7 @@ def whole_errors(windows: Windows, candidate: Candidate) -> tuple[Layout, Array,
     """Return the layout of whole tests, what a model errs by over them (n, sensors), SI, each begun where it fits best, and its memory
     in samples.
 
-    None where tests are simulated through anyway, and where the model runs away, is driven and does not forget its start (a position
+    None where tests are simulated through anyway, and where the model diverges, is driven and does not forget its start (a position
     that a force moves) or is held by a loop outside its equations: what adds up by chance, and what the loop hides, is no error of a
     model.
     """

@@ -34,7 +34,7 @@ class Kernels:
         self._cut()
 
     def hold(self, names: Collection[str]) -> None:
-        """Let these effects be part of models beside any other one without a further kernel."""
+        """Let these effects be part of models in addition to any other one without a further kernel."""
         self._held = tuple(names)
         self._cut()
 

@@ -233,7 +233,7 @@ class Simulated:
         self.usual_steps = self._predicted(candidate).steps
 
     def remembers(self, candidate: Candidate) -> bool:
-        """Whether an effect beside the forms of contacts has states of its own."""
+        """Whether an effect in addition to the forms of contacts has states of its own."""
         return any(self.kernels.effects[name].states for name in candidate.effects if name not in self.forms)
 
     def _parts(self, candidate: Candidate) -> list[tuple[Candidate, NDArray[np.bool_]]]:

@@ -52,7 +52,7 @@ def chances(values: Array) -> tuple[Array, Array]:
 
 
 def sine_in(values: Array, frequency: float) -> Array:
-    """Return the sine of one frequency, cycles per sample, that fits values (n,) best beside a constant, as values (n,)."""
+    """Return the sine of one frequency, cycles per sample, that fits values (n,) best in addition to a constant, as values (n,)."""
     phase = 2.0 * np.pi * frequency * np.arange(len(values))
     columns = np.column_stack([np.cos(phase), np.sin(phase), np.ones(len(values))])
     amplitudes = np.linalg.lstsq(columns, values, rcond=None)[0]
@@ -74,7 +74,7 @@ def refined(values: Array, frequency: float) -> float:
 
 
 def own_to(frequency: Array, given: Array, level: float) -> NDArray[np.bool_]:
-    """Return of which frequencies (f,) no multiple is, nor they of any, at which what is ``given`` (n,) swings by itself."""
+    """Return of which frequencies (f,) no multiple is, nor they of any, at which what is ``given`` (n,) oscillates by itself."""
     others, known = chances(given)
     lines = others[known <= level / max(len(known), 1)]
     near = BANDWIDTH / len(given)

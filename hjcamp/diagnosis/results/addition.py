@@ -14,7 +14,7 @@ from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.estimation.intervals import intervals
 from hjcamp.diagnosis.results.answer import removed
 from hjcamp.diagnosis.results.calibration_rows import calibration
-from hjcamp.diagnosis.results.channel_rows import channel_rows, end_rows, floor_size, whole_rows
+from hjcamp.diagnosis.results.channel_rows import channel_rows, end_rows, noise_floor_size, whole_rows
 from hjcamp.diagnosis.screening.screening import Projection
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.candidate import Candidate
@@ -23,7 +23,7 @@ from hjcamp.model.declare.effect import Effect
 
 @dataclass(frozen=True)
 class Addition:
-    """A model with effects added, beside the one without."""
+    """A model with effects added, in addition to the one without."""
 
     analysis: Analysis
     model: Scored
@@ -56,13 +56,13 @@ def added(
         promises = [projection.promise(probe, library[name]) for probe in search.probes(model.fitted, name)]
         begun = search.begun(projection, name, promises)
         model = search.resettled(search.fitted(begun.candidate, begun))
-    floor = not_above(analysis.floor, model.fitted.features)
-    return Addition(replace(analysis, floor=floor), model, tuple(names))
+    noise_floor = not_above(analysis.noise_floor, model.fitted.features)
+    return Addition(replace(analysis, noise_floor=noise_floor), model, tuple(names))
 
 
 def answer(found: Addition, name: str, path: str) -> dict[str, Any]:
     """Return what was added for programs."""
-    least = floor_size(found.analysis)
+    least = noise_floor_size(found.analysis)
     rows: dict[str, dict[str, Any]] = {}
     for one in intervals(found.model.fitted, found.analysis.search.blocks):
         if one.effect:
@@ -87,7 +87,7 @@ def answer(found: Addition, name: str, path: str) -> dict[str, Any]:
 
 def provenance(found: Addition, command: str) -> dict[str, Any]:
     """Return where a model comes from."""
-    least = floor_size(found.analysis)
+    least = noise_floor_size(found.analysis)
     return {
         "command": command,
         "error_before": float(found.analysis.base.left_out / least),

@@ -15,7 +15,15 @@ from hjcamp.diagnosis.decision.periodic_disturbance import Swing
 from hjcamp.diagnosis.decision.verdict import Verdict
 from hjcamp.diagnosis.results.calibration_rows import calibration
 from hjcamp.diagnosis.results.candidate_rows import candidates, drivers_of, unknown_rows
-from hjcamp.diagnosis.results.channel_rows import channel_rows, end_rows, floor_rows, floor_size, still_rows, whole_rows, worst
+from hjcamp.diagnosis.results.channel_rows import (
+    channel_rows,
+    end_rows,
+    noise_floor_rows,
+    noise_floor_size,
+    still_rows,
+    whole_rows,
+    worst,
+)
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.base_values import DELAY
 
@@ -26,7 +34,7 @@ SCHEMA = "hjcamp.diagnosis/2"
 def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, Any]:
     """Return the answer as plain values."""
     model, base = verdict.model, analysis.base
-    least, unknowns = floor_size(analysis), unknown_rows(analysis, verdict)
+    least, unknowns = noise_floor_size(analysis), unknown_rows(analysis, verdict)
     return {
         "schema": SCHEMA,
         "plant": analysis.measured.plant.name,
@@ -51,10 +59,10 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "by_condition": by_condition_row(analysis, verdict.differs) if verdict.differs else {},
         "constants": {one.interval.name: constant_row(analysis, one) for one in verdict.constants},
         "follows_motion": {
-            "share": verdict.follows, "quantities": _leading(analysis, verdict), "beside_law": _beside_law(analysis, verdict),
+            "share": verdict.follows, "quantities": _leading(analysis, verdict), "beside_law": _beyond_law(analysis, verdict),
         },
         "confidence_set": [list(names) for names in verdict.confidence_set],
-        "floor": floor_rows(analysis),
+        "floor": noise_floor_rows(analysis),
         "ends": end_rows(analysis.windows.layout),
         "still": still_rows(analysis.measured),
         "rests_on": {
@@ -74,7 +82,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
 
 
 def swing_row(swing: Swing) -> dict[str, Any]:
-    """Return what swings by itself, in the unit of its sensor's field."""
+    """Return what oscillates by itself, in the unit of its sensor's field."""
     sensor = swing.sensor
     return {
         "channel": sensor.field,
@@ -87,11 +95,11 @@ def swing_row(swing: Swing) -> dict[str, Any]:
 
 
 def by_condition_row(analysis: Analysis, differs: Differs) -> dict[str, Any]:
-    """Return what a base for each condition leaves, over the floor, and the parameters that differ, by condition."""
+    """Return what a base for each condition leaves, over the noise floor, and the parameters that differ, by condition."""
     plant = analysis.measured.plant
     units = {name: "s" if name.startswith(DELAY) else plant.parameters[name].unit for name in differs.parameters}
     return {
-        "left": differs.left_out / floor_size(analysis),
+        "left": differs.left_out / noise_floor_size(analysis),
         "parameters": {
             name: {"unit": units[name], "conditions": {at: {"value": one.value, **one.row} for at, one in found.items()}}
             for name, found in differs.parameters.items()
@@ -100,14 +108,14 @@ def by_condition_row(analysis: Analysis, differs: Differs) -> dict[str, Any]:
 
 
 def constant_row(analysis: Analysis, one: Constant) -> dict[str, Any]:
-    """Return a constant of the plant's file: as it is given, as tests have it, and what that leaves, over the floor."""
+    """Return a constant of the plant's file: as it is given, as tests have it, and what that leaves, over the noise floor."""
     item = analysis.measured.plant.parameters[one.interval.name]
-    left = one.left_out / floor_size(analysis)
+    left = one.left_out / noise_floor_size(analysis)
     return {"unit": item.unit, "declared": item.default, "value": one.interval.value, **one.interval.row, "left": left}
 
 
 def _false_claims(analysis: Analysis, verdict: Verdict) -> dict[str, float]:
-    """Return the published rates of the look that found a free law where one was found, else of the first look."""
+    """Return the published rates of the look that found a non-parametric term where one was found, else of the first look."""
     steps = analysis.search.steps
     found = (one for one in steps if verdict.unknown and not verdict.effects and verdict.unknown in one.unknown)
     return next((one.false_claims for one in (*found, *steps)), {})
@@ -120,13 +128,13 @@ def _leading(analysis: Analysis, verdict: Verdict) -> list[str]:
     return leading(search.windows.layout, base.features, search.blocks, search.predicted(base))
 
 
-def _beside_law(analysis: Analysis, verdict: Verdict) -> float:
-    """Return which share of the rms that a free law leaves follows from the motion all the same; 0 where no such law is the answer."""
+def _beyond_law(analysis: Analysis, verdict: Verdict) -> float:
+    """Return which share of the rms that a non-parametric term leaves follows from the motion; 0 where no such term is the answer."""
     return analysis.search.follows_motion(verdict.unknown).share if verdict.unknown and not verdict.effects else 0.0
 
 
 def removed(analysis: Analysis, model: Scored) -> float:
-    """Return the share of the removable error (above the floor) that a model removes on held-out blocks."""
-    least = floor_size(analysis)
+    """Return the share of the removable error (above the noise floor) that a model removes on held-out blocks."""
+    least = noise_floor_size(analysis)
     above = np.log(max(analysis.base.left_out / least, 1.0 + 1e-12))
     return float(np.clip(np.log(analysis.base.left_out / model.left_out) / above, -1.0, 1.0))

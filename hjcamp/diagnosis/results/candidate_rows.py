@@ -41,14 +41,14 @@ def candidates(analysis: Analysis, verdict: Verdict) -> list[dict[str, Any]]:
 
 
 def _without(analysis: Analysis, model: Scored, laws: Sequence[str]) -> Scored:
-    """Return a model without free laws, as a look fitted it, or fitted from what it has beside them."""
+    """Return a model without non-parametric terms, as a look fitted it, or fitted from what it has in addition to them."""
     search, names = analysis.search, set(model.names) - set(laws)
     known = (one for step in search.steps for one in step.named if set(one.names) == names)
     return next(known, None) or search.fitted(model.fitted.candidate.without(laws), model.fitted)
 
 
 def asked_candidates(analysis: Analysis, verdict: Verdict, names: Sequence[str]) -> list[dict[str, Any]]:
-    """Return rows for effects that were asked for and were not fitted yet: each beside the calibrated model alone."""
+    """Return rows for effects that were asked for and were not fitted yet: each in addition to the calibrated model alone."""
     known = {row["effect"] for row in candidates(analysis, verdict)} | set(analysis.base.names)
     rows, alone = [], next(iter(analysis.search.steps), None) or Step(analysis.base, 1.0, np.zeros(0), 0.0, (), ())
     for name in dict.fromkeys(names):

@@ -26,23 +26,23 @@ WORST = 8
 PLACES = 3
 
 
-def floor_size(analysis: Analysis) -> float:
-    """Return the size of the floor, as `likelihood.size` gives it of features."""
-    moments = analysis.floor.moments
+def noise_floor_size(analysis: Analysis) -> float:
+    """Return the size of the noise floor, as `likelihood.size` gives it of features."""
+    moments = analysis.noise_floor.moments
     return float(np.exp(0.5 * np.linalg.slogdet(moments)[1] / len(moments)))
 
 
 def channel_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]:
-    """Return each channel's rms over windows, before and after, and its floor, in the unit of its field."""
+    """Return each channel's rms over windows, before and after, and its noise floor, in the unit of its field."""
     layout = analysis.windows.layout
     before = in_units(np.mean(analysis.base.fitted.features**2, axis=0), layout)
     after = in_units(np.mean(model.fitted.features**2, axis=0), layout)
-    floor = analysis.floor.of_sensors(layout)
+    noise_floor = analysis.noise_floor.of_sensors(layout)
     return {
         one.field: {
             "baseline": float(before[k] * one.scale),
             "augmented": float(after[k] * one.scale),
-            "floor": float(floor[k] * one.scale),
+            "floor": float(noise_floor[k] * one.scale),
             "unit": one.unit,
         }
         for k, one in enumerate(layout.measured.sensors)
@@ -52,7 +52,7 @@ def channel_rows(analysis: Analysis, model: Scored) -> dict[str, dict[str, Any]]
 def whole_rows(analysis: Analysis, model: Scored) -> dict[str, Any]:
     """Return each channel's error over ``whole_tests``, before and after, in the unit of its field, and which of both ``runs_away``.
 
-    There are no rows where either is not looked at; a model alone that is not, beside one that is, runs away or forgets no start.
+    There are no rows where either is not looked at; a model that is not, next to one that is, diverges or forgets no start.
     """
     found = {"baseline": _whole_of(analysis, analysis.base)}
     found["augmented"] = found["baseline"] if model is analysis.base else _whole_of(analysis, model)
@@ -75,16 +75,16 @@ def whole_row(whole: Whole, k: int, sensor: Sensor) -> dict[str, float]:
     return {"whole_rms": float(whole.rms[k] * sensor.scale), "whole_r2": float(whole.explained[k])}
 
 
-def floor_rows(analysis: Analysis) -> dict[str, dict[str, Any]]:
-    """Return the floor of each channel with its bracket: the sensor's noise alone, and what the calibrated model leaves."""
+def noise_floor_rows(analysis: Analysis) -> dict[str, dict[str, Any]]:
+    """Return the noise floor of each channel with its bracket: the sensor's noise alone, and what the calibrated model leaves."""
     layout = analysis.windows.layout
-    noise = in_units(np.ones(analysis.floor.moments.shape[0]), layout)
+    noise = in_units(np.ones(analysis.noise_floor.moments.shape[0]), layout)
     found = {}
     for name, row in channel_rows(analysis, analysis.base).items():
         k = next(k for k, one in enumerate(layout.measured.sensors) if one.field == name)
-        known = analysis.floor.source != "sensor"
+        known = analysis.noise_floor.source != "sensor"
         found[name] = {
-            "source": analysis.floor.source if known else "unknown",
+            "source": analysis.noise_floor.source if known else "unknown",
             "value": row["floor"] if known else None,
             "unit": row["unit"],
             "low": float(noise[k] * layout.measured.sensors[k].scale),
@@ -110,18 +110,18 @@ def end_rows(layout: Layout) -> dict[str, dict[str, Any]]:
 
 
 def worst(analysis: Analysis, model: Scored) -> list[dict[str, Any]]:
-    """Return the conditions with the largest error over the floor, the worst first, each with what its repetitions share of it.
+    """Return the conditions with the largest error over the noise floor, the worst first, each with what its repetitions share of it.
 
     ``at`` are the fewest windows that hold half of its mean square, where these are few: the test of each, and when it begins.
     """
     layout = analysis.windows.layout
-    floor = np.maximum(analysis.floor.of_sensors(layout), 1e-300)
+    noise_floor = np.maximum(analysis.noise_floor.of_sensors(layout), 1e-300)
     rows: list[dict[str, Any]] = []
     for condition, tests in layout.measured.conditions.items():
         inside = np.isin(layout.of_test, tests)
         if not inside.any():
             continue
-        left = in_units(np.mean(model.fitted.features[inside] ** 2, axis=0), layout) / floor
+        left = in_units(np.mean(model.fitted.features[inside] ** 2, axis=0), layout) / noise_floor
         both = shared(layout, model.fitted.features, tests)
         rows += [
             {

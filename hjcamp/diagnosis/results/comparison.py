@@ -16,7 +16,7 @@ from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled
 from hjcamp.diagnosis.estimation.likelihood import size
 from hjcamp.diagnosis.residuals.free_run import Whole, whole_error
-from hjcamp.diagnosis.results.channel_rows import end_rows, floor_size, whole_row
+from hjcamp.diagnosis.results.channel_rows import end_rows, noise_floor_size, whole_row
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.declare.effect import Effect
 
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Shown:
     """One model on the tests: its rms over windows of each channel (sensors,), that of each test (tests, sensors), SI,
-    what it explains of a window's motion (sensors,), its size over the floor, its residuals (n, sensors), and its error over whole
+    what it explains of a window's motion (sensors,), its size over the noise floor, residuals (n, sensors), and error over whole
     tests, where windows are shorter.
     """
 
@@ -56,7 +56,7 @@ def compared(
 ) -> Comparison:
     """Return every model on the tests, the window's starts moved to where each fits best.
 
-    What is calibrated has the form of its contacts, as the base of a diagnosis has: both give the same error and floor.
+    What is calibrated has the form of its contacts, as the base of a diagnosis has: both give the same error and noise floor.
     """
     needed = {name for model in models.values() for name in model.effects}
     chosen = {name: effect for name, effect in library.items() if name in needed}
@@ -67,10 +67,10 @@ def compared(
         report(f"predicting with {name}", 0.5 + 0.4 * done / len(models))
         seen[name] = predicted_errors(analysis, whole_model(measured, model))
     fitted = analysis.base.fitted.features, errors_of_base(analysis)
-    floor = analysis.floor
+    noise_floor = analysis.noise_floor
     for features, _ in (*seen.values(), fitted):
-        floor = not_above(floor, features)
-    analysis = replace(analysis, floor=floor)
+        noise_floor = not_above(noise_floor, features)
+    analysis = replace(analysis, noise_floor=noise_floor)
     which = f"{list(models)[-1]}, calibrated here" if len(models) > 1 else "calibrated here"
     candidates = {name: whole_model(measured, model) for name, model in models.items()}
     *rows, last_row = (
@@ -122,24 +122,24 @@ def shown_of(analysis: Analysis, name: str, features: Array, errors: Array) -> S
     spread = np.mean((layout.readings - layout.means) ** 2, axis=0)
     left = np.mean(errors**2, axis=0)
     explained = 1.0 - left / np.maximum(spread, 1e-300)
-    return Shown(name, rms, by_test, explained, size(features) / floor_size(analysis), errors)
+    return Shown(name, rms, by_test, explained, size(features) / noise_floor_size(analysis), errors)
 
 
 def _number(value: float) -> float | None:
-    """Return a number as JSON has it: nothing where a model runs away."""
+    """Return a number as JSON has it: nothing where a model diverges."""
     return float(value) if np.isfinite(value) else None
 
 
 def answer(found: Comparison) -> dict[str, Any]:
     """Return the comparison for programs, by the keys of ``hjcamp.comparison/1``."""
     layout = found.analysis.windows.layout
-    floor = found.analysis.floor.of_sensors(layout)
+    noise_floor = found.analysis.noise_floor.of_sensors(layout)
     models = []
     for one in (*found.models, found.calibrated):
         error = {
             sensor.field: {
                 "rms": _number(one.rms[k] * sensor.scale),
-                "floor": float(floor[k] * sensor.scale),
+                "floor": float(noise_floor[k] * sensor.scale),
                 "r2": _number(one.explained[k]),
                 **(whole_row(one.whole, k, sensor) if one.whole else {}),
             }
@@ -148,6 +148,6 @@ def answer(found: Comparison) -> dict[str, Any]:
         models.append({"name": one.name, "tests": len(layout.measured.tests), "error": error, "score": _number(one.score)})
     return {
         "schema": "hjcamp.comparison/1", "plant": layout.measured.plant.name, "models": models[:-1], "calibrated": models[-1],
-        "window_s": layout.width * layout.measured.period, "floor_source": found.analysis.floor.source, "where": [],
+        "window_s": layout.width * layout.measured.period, "floor_source": found.analysis.noise_floor.source, "where": [],
         "ends": end_rows(layout),
     }  # fmt: skip

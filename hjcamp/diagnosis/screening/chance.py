@@ -1,6 +1,6 @@
-"""What chance promises: the library's responses beside residuals that were moved in time (circular shifts, tests exchanged).
+"""What chance promises: the library's responses against residuals that were shifted (circular shifts, tests exchanged).
 
-A residual that has nothing to do with an effect's response has, moved in time, as much in common with it: how far the best effect
+A residual that has nothing to do with an effect's response has, circularly shifted, as much in common with it: how far the best effect
 of the whole library stands out over such residuals is the null distribution, whatever the form of what is missing
 (Politis & Romano 1992; time-shift surrogates, Quian Quiroga et al. 2002, doi:10.1103/PhysRevE.65.041903).
 """
@@ -20,7 +20,7 @@ DRAWS = 199
 # The cube root of a chi-squared variable is nearly normal, whatever its degrees of freedom.
 ROOT = 1.0 / 3.0
 # A shift under which the motion is much the same again moves nothing.
-ALIKE = 0.5
+SIMILAR = 0.5
 
 
 def moved_orders(of_test: NDArray[np.int64], motion: Array, seed: int, draws: int = DRAWS) -> list[NDArray[np.int64]]:
@@ -36,12 +36,12 @@ def moved_orders(of_test: NDArray[np.int64], motion: Array, seed: int, draws: in
         order = np.empty(len(of_test), dtype=np.int64)
         lengths = {len(rows) for rows in tests}
         for length in lengths:
-            alike = [rows for rows in tests if len(rows) == length]
-            for rows, other in zip(alike, generator.permutation(len(alike)), strict=True):
-                shift = int(generator.integers(0, length)) if len(alike) > 1 else int(generator.integers(1, max(length, 2)))
-                order[rows] = np.roll(alike[other], shift)
+            similar = [rows for rows in tests if len(rows) == length]
+            for rows, other in zip(similar, generator.permutation(len(similar)), strict=True):
+                shift = int(generator.integers(0, length)) if len(similar) > 1 else int(generator.integers(1, max(length, 2)))
+                order[rows] = np.roll(similar[other], shift)
         agreement = float(np.mean(centred * centred[order]))
-        if abs(agreement) < ALIKE:
+        if abs(agreement) < SIMILAR:
             found.append(order)
         if len(found) == draws:
             break
@@ -58,7 +58,7 @@ class Chance(NamedTuple):
     gain: float
     shifted: Array
     decoys: Array
-    twins: Array
+    replicates: Array
     usual: float
     own: Mapping[str, tuple[float, float]]
 
@@ -69,22 +69,22 @@ class Chance(NamedTuple):
 
 
 def chance_gains(projection: Projection, probes: Sequence[Probe], orders: Sequence[NDArray[np.int64]], seed: int) -> Chance:
-    r"""Return how far the best effect stands out beside the real residuals, and beside those in each of the orders (orders,).
+    r"""Return how far the best effect stands out against the real residuals, and against those in each of the orders (orders,).
 
     .. math:: \max_e \frac{S_e^{1/3} - m_e}{s_e}, \quad S_e = \max_{probes\ of\ e} \tfrac12 |B^T r|^2
 
     with the mean and deviation of each effect's own root over all of these: laws of one knot and of 48, and residuals that hang
-    together, are so on one scale (Westfall & Young 1993; Wilson & Hilferty 1931, doi:10.1073/pnas.17.12.684). Beside it, for as many
-    each: that of decoys, a library of which each effect's response is moved in time by itself; and that of twins, whose residuals
+    together, are so on one scale (Westfall & Young 1993; Wilson & Hilferty 1931, doi:10.1073/pnas.17.12.684). Further, for as many
+    each: that of decoys, a library with each effect's response shifted by itself; and that of replicates, whose residuals
     are drawn from a normal law with the second moments of the real ones.
     """
     left, generator = projection.fitted.features, np.random.default_rng((seed, 271))
     drawn = generator.standard_normal((*left.shape, len(orders)))
     stacked = np.stack([left, *(left[order] for order in orders)], axis=2)
     moved = projection.free_of_base(stacked)
-    twins = projection.free_of_white(drawn)
+    replicates = projection.free_of_white(drawn)
     # each moved residual is as large as the real one
-    columns = np.concatenate([moved, twins], axis=1)
+    columns = np.concatenate([moved, replicates], axis=1)
     columns = columns * (np.linalg.norm(columns[:, 0]) / np.maximum(np.linalg.norm(columns, axis=0), 1e-300))
     count = len(orders)
     best = np.zeros(columns.shape[1])

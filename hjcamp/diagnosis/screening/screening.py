@@ -1,4 +1,4 @@
-"""Screen effects by finite responses: what each would gain beside the base, if it acted linearly, over a grid of its shapes."""
+"""Screen effects by finite responses: what each would gain in addition to the base, if it acted linearly, over a grid of its shapes."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ class Probe:
 
 
 @dataclass(frozen=True)
-class Beside:
-    """The model beside which effects are probed, its features (windows, d), and how large the error at hand is (norm).
+class ProbedModel:
+    """The model in addition to which effects are probed, its features (windows, d), and how large the error at hand is (norm).
 
     It is the fitted model without the forms of contacts: what an effect changes is nearly the same, at a tenth of the time.
     """
@@ -56,7 +56,7 @@ class Beside:
     error: float
 
     @classmethod
-    def of(cls, windows: Windows, fitted: Fitted) -> Beside:
+    def of(cls, windows: Windows, fitted: Fitted) -> ProbedModel:
         """Return it for a fitted model."""
         error, candidate = float(np.linalg.norm(fitted.features)), fitted.candidate
         if not windows.forms & set(candidate.effects):
@@ -79,7 +79,7 @@ class Promise:
 
 
 def amplitudes_of(effect: type[Effect]) -> tuple[str, ...]:
-    """Return the parameters at whose ``off`` value the effect is absent, the first and all that are no shape beside it.
+    """Return the parameters at whose ``off`` value the effect is absent, the first and all that are no shape next to it.
 
     All that are no shape where it declares none.
     """
@@ -141,13 +141,13 @@ def _tried(item: Parameter, visited: Mapping[str, Range]) -> list[float]:
     return [float(x) for x in np.linspace(bottom, top, SHAPES + 2)[1:-1]]
 
 
-def probes_of(windows: Windows, beside: Beside, effect: type[Effect], visited: Mapping[str, Range]) -> Iterator[Probe]:
+def probes_of(windows: Windows, probed: ProbedModel, effect: type[Effect], visited: Mapping[str, Range]) -> Iterator[Probe]:
     """Yield the probes of a named effect; ``visited`` is as in `visited_shapes`."""
     for setting in shape_grid(effect, visited):
-        yield from _probe(windows, beside, effect, setting)
+        yield from _probe(windows, probed, effect, setting)
 
 
-def _probe(windows: Windows, beside: Beside, effect: type[Effect], setting: Mapping[str, float]) -> Iterator[Probe]:
+def _probe(windows: Windows, probed: ProbedModel, effect: type[Effect], setting: Mapping[str, float]) -> Iterator[Probe]:
     """Yield the probe at one setting of the shapes, of each amplitude alone; none where the model diverges."""
     names, sizes, responses = amplitudes_of(effect), [], []
     values = {**effect.defaults(), **setting}
@@ -158,8 +158,8 @@ def _probe(windows: Windows, beside: Beside, effect: type[Effect], setting: Mapp
         size = values[name] - off or 0.1 * _reach(item)
         for _ in range(SCALINGS):
             own = {**values, **absent, names[0]: effect.parameters[names[0]].off or 0.0, name: off + size}
-            response = beside.response(windows, effect.name, own)
-            larger = float(np.linalg.norm(response) / beside.error)
+            response = probed.response(windows, effect.name, own)
+            larger = float(np.linalg.norm(response) / probed.error)
             if larger <= LARGE or far_off(item):
                 break
             size /= larger if math.isfinite(larger) else UNSTABLE
@@ -172,7 +172,7 @@ def _probe(windows: Windows, beside: Beside, effect: type[Effect], setting: Mapp
 
 def refined(
     windows: Windows,
-    beside: Beside,
+    probed: ProbedModel,
     projection: Projection,
     effect: type[Effect],
     first: Promise,
@@ -183,7 +183,7 @@ def refined(
     for share in (0.25, 0.12, 0.06):
         setting = {name: best.candidate.effects[effect.name][name] for name, item in effect.parameters.items() if item.shape}
         for tried in neighbours_of(effect, setting, share, visited):
-            for probe in _probe(windows, beside, effect, tried):
+            for probe in _probe(windows, probed, effect, tried):
                 promise = projection.promise(probe, effect)
                 best = promise if promise.gain > best.gain else best
     return best
@@ -201,13 +201,13 @@ def _reach(item: Parameter) -> float:
     return min(finite) if finite else 1.0
 
 
-def probes_of_unknown(windows: Windows, beside: Beside, unknown: Unknown) -> Iterator[Probe]:
+def probes_of_unknown(windows: Windows, probed: ProbedModel, unknown: Unknown) -> Iterator[Probe]:
     """Yield the probe of an unknown: one response for each of its knots."""
     ends, size = unknown.ends, SMALL * unknown.usual
     columns = []
     for name in unknown.amplitudes:
         own = {**ends, **dict.fromkeys(unknown.amplitudes, 0.0), name: size}
-        columns.append(beside.response(windows, unknown.effect.name, own))
+        columns.append(probed.response(windows, unknown.effect.name, own))
     responses = np.stack(columns, axis=2)
     if np.all(np.isfinite(responses)):
         yield Probe(unknown.effect.name, ends, unknown.amplitudes, np.full(len(unknown.amplitudes), size), False, responses)
@@ -279,10 +279,10 @@ class Projection:
         after = left + columns @ share
         n = self.fitted.features.size
         gain = self._loss(left[:n]) - self._loss(after[:n])
-        return Promise(probe.effect, gain if np.any(share != 0.0) else 0.0, self._beside(probe, parameters, share))
+        return Promise(probe.effect, gain if np.any(share != 0.0) else 0.0, self._with_share(probe, parameters, share))
 
-    def _beside(self, probe: Probe, parameters: dict[str, float], share: Array) -> Candidate:
-        """Return the model with the effect, its other free parameters moved to where they fit best beside it."""
+    def _with_share(self, probe: Probe, parameters: dict[str, float], share: Array) -> Candidate:
+        """Return the model with the effect, its other free parameters moved to where they fit best next to it."""
         fitted = self.fitted
         target = np.einsum("wfk,k,fg->wg", probe.responses, share, self.whitener).ravel()
         target = np.concatenate([target, np.zeros(self._rows)])

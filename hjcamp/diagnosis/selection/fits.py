@@ -20,8 +20,8 @@ from hjcamp.diagnosis.estimation.likelihood import loss, size
 from hjcamp.diagnosis.levels import FITTED_STARTS, TRIED_ROUNDS, TRIED_STARTS
 from hjcamp.diagnosis.residuals.windows import Place, Windows
 from hjcamp.diagnosis.screening.screening import (
-    Beside,
     Probe,
+    ProbedModel,
     Projection,
     Promise,
     free_of_effect,
@@ -63,7 +63,7 @@ class Fits:
     begins: dict[str, dict[str, float]] = field(default_factory=dict)
     declared: Mapping[str, float] = field(default_factory=dict)
     first: Place | None = None
-    _beside: tuple[Fitted, Beside] | None = None
+    _probed: tuple[Fitted, ProbedModel] | None = None
 
     def scored(self, fitted: Fitted, windows: Windows | None = None) -> Scored:
         """Return a fit with what it leaves of blocks that it does not know, over windows that begin where it has them."""
@@ -156,18 +156,18 @@ class Fits:
         """How often a fit and the windows' starts follow one another: until they agree in short tests, and where effects remember."""
         return TURNS_OF_BASE if self.windows.layout.short or self.windows.remembers(candidate) else TURNS
 
-    def beside(self, fitted: Fitted) -> Beside:
-        """Return the model beside which effects are probed, made once for each fit."""
-        if self._beside is None or self._beside[0] is not fitted:
-            self._beside = (fitted, Beside.of(self.windows, fitted))
-        return self._beside[1]
+    def probed_model(self, fitted: Fitted) -> ProbedModel:
+        """Return the model in addition to which effects are probed, made once for each fit."""
+        if self._probed is None or self._probed[0] is not fitted:
+            self._probed = (fitted, ProbedModel.of(self.windows, fitted))
+        return self._probed[1]
 
     def probes(self, fitted: Fitted, name: str) -> list[Probe]:
-        """Return the probes of a named effect or an unknown beside a fitted model."""
-        beside = self.beside(fitted)
+        """Return the probes of a named effect or an unknown in addition to a fitted model."""
+        probed_model = self.probed_model(fitted)
         if name in self.unknowns:
-            return list(probes_of_unknown(self.windows, beside, self.unknowns[name]))
-        return list(probes_of(self.windows, beside, self.library[name], self.visited(name)))
+            return list(probes_of_unknown(self.windows, probed_model, self.unknowns[name]))
+        return list(probes_of(self.windows, probed_model, self.library[name], self.visited(name)))
 
     def visited(self, name: str) -> dict[str, Range]:
         """Return what the tests visit of the shapes of an effect."""
@@ -183,7 +183,7 @@ class Fits:
         most = sorted((one for one in promises if one.gain > 0.0), key=lambda one: -one.gain)[:TRIED_STARTS]
         own = [dict(effect.defaults()), *([self.begins[name]] if name in self.begins else [])]
         if most:
-            most.append(refined(self.windows, self.beside(before), projection, effect, most[0], self.visited(name)))
+            most.append(refined(self.windows, self.probed_model(before), projection, effect, most[0], self.visited(name)))
             own.append(dict(most[0].candidate.effects[name]))
         starts = [one.candidate for one in most] + [before.candidate.with_effect(name, one) for one in own]
         if self.windows.layout.short:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hjcamp.diagnosis.candidates.equivalence import alike_laws, is_lag, is_of_its_own, law_of
+from hjcamp.diagnosis.candidates.equivalence import equivalent_laws, is_lag, is_of_its_own, law_of
 from hjcamp.diagnosis.candidates.nonparametric_terms import Unknown, courses_of_each, values_of
 from hjcamp.diagnosis.data.repeatability import motion_of
 from hjcamp.diagnosis.levels import FITTED, FITTED_BY_CHANCE, FITTED_UNKNOWNS, LEVEL, MATTERS, MOST_OF_IT, STEPS
@@ -38,7 +38,7 @@ class Search(Claims):
         """Return what a model may miss: screen everything, or what is ``among`` these alone, then fit what promises most."""
         fitted, self.windows.place = before.fitted, before.place
         self.windows.kernels.hold(fitted.candidate.effects)
-        projection, _ = Projection(fitted), self.beside(fitted)
+        projection, _ = Projection(fitted), self.probed_model(fitted)
         looked_for = tuple(among) or (*self.library, *self.unknowns)
         names = [name for name in looked_for if self.may_be_added(name, fitted.candidate.effects)]
         self.windows.kernels.prepare(names)
@@ -91,7 +91,7 @@ class Search(Claims):
             self.claims,
             different,
             promised.decoys,
-            promised.twins,
+            promised.replicates,
         )
         self.steps.append(step)
         return step
@@ -269,8 +269,8 @@ class Search(Claims):
         """Return a model's candidate with another effect in the place of one: a lag as late, others as first found, or as is usual."""
         effect, values = self.library[other], model.fitted.candidate.effects[name]
         units = [[one.unit for one in self.library[each].parameters.values()] for each in (name, other)]
-        alike = is_lag(self.library[name]) and is_lag(effect) and units[0] == units[1]
-        if alike:
+        similar = is_lag(self.library[name]) and is_lag(effect) and units[0] == units[1]
+        if similar:
             own = dict(zip(effect.parameters, values.values(), strict=True))
         else:
             found = (one.fitted.candidate.effects for step in self.steps for one in step.named if other in one.names)
@@ -285,7 +285,7 @@ class Search(Claims):
         """
         named = (self.library[name] for name in model.names if name in self.library and name not in self.windows.forms)
         there = [one for one in named if not one.states]
-        forms = [name for name, one in self.unknowns.items() if any(alike_laws(one, law) for law in there)]
+        forms = [name for name, one in self.unknowns.items() if any(equivalent_laws(one, law) for law in there)]
         fitted = {_added(one.fitted.candidate, model.fitted.candidate): one for one in step.unknown}
         promised = [one for one in self.promised_beside(model, forms) if one.effect not in fitted] if forms else []
         for promise in promised[:FITTED_UNKNOWNS]:
@@ -299,7 +299,7 @@ class Search(Claims):
             if name in forms
             and (
                 one.left_out <= further.left_out
-                or (any(alike_laws(self.unknowns[name], own) for own in second) and not self.beats(further, one))
+                or (any(equivalent_laws(self.unknowns[name], own) for own in second) and not self.beats(further, one))
             )
         )
         return any(self.matters(one, model, level) for one in shown)
@@ -317,7 +317,7 @@ class Search(Claims):
         free = self.unknowns[_added(best.fitted.candidate, before.fitted.candidate)]
         most = (before.left_out / best.left_out) ** MOST_OF_IT
         for one in step.named:
-            form = alike_laws(free, self.library[_added(one.fitted.candidate, before.fitted.candidate)])
+            form = equivalent_laws(free, self.library[_added(one.fitted.candidate, before.fitted.candidate)])
             takes = one.left_out <= best.left_out or (form and before.left_out / one.left_out >= most)
             if takes and self.matters(one, before, step.claims):
                 return one

@@ -1,4 +1,4 @@
-"""What a search finds: fitted models with what they leave of blocks left out, and one look at what is missing beside a model."""
+"""What a search finds: fitted models with what they leave of blocks left out, and one look at what a model misses."""
 
 from __future__ import annotations
 
@@ -43,10 +43,10 @@ class Follows(NamedTuple):
 
 @dataclass(frozen=True)
 class Step:
-    """One look at what is missing beside ``before``: chance of the best gain, and every model that was fitted.
+    """One look at what is missing in addition to ``before``: chance of the best gain, and every model that was fitted.
 
     ``claims`` is the level of all that may be claimed of named effects, and of unknowns. ``orders`` is how many different orders of the
-    windows chance was drawn from: of one test of n windows there are n - 1. ``decoys`` and ``twins`` are what else chance promises
+    windows chance was drawn from: of one test of n windows there are n - 1. ``decoys`` and ``replicates`` are what else chance promises
     (`hjcamp.diagnosis.screening.chance.Chance`).
     """
 
@@ -59,7 +59,7 @@ class Step:
     claims: float = LEVEL
     orders: int = DRAWS
     decoys: Array = field(default_factory=lambda: np.zeros(0))
-    twins: Array = field(default_factory=lambda: np.zeros(0))
+    replicates: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def told(self) -> float:
@@ -68,8 +68,8 @@ class Step:
 
     @property
     def false_claims(self) -> dict[str, float]:
-        """How often as much as was found is promised where nothing is: of twins, of moved residuals, of decoys."""
-        drawn = {"twins": self.twins, "shifted": self.chance, "decoys": self.decoys}
+        """How often as much as was found is promised where nothing is: of null replicates, of moved residuals, of decoys."""
+        drawn = {"twins": self.replicates, "shifted": self.chance, "decoys": self.decoys}
         return {name: float(np.mean(gains >= self.gain)) for name, gains in drawn.items() if len(gains)}
 
     @property

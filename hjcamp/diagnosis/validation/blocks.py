@@ -104,7 +104,7 @@ def ratio_t(values: Array, weights: Array) -> tuple[float, float]:
     .. math:: b = \frac{\sum a_c}{\sum e_c}, \quad s^2 = \sum \Bigl(\frac{a_c - b\,e_c}{\sum e - e_c}\Bigr)^2, \quad t = \frac{b}{s},
               \quad n = \frac{(\sum e_c)^2}{\sum e_c^2}
 
-    An advantage grows with what the block tells two models apart by: one in which both say the same speaks neither for nor
+    An advantage grows with what the block distinguishes two models by: one in which both say the same speaks neither for nor
     against. The spread is the jackknife's (Cochran 1977, Sampling Techniques, sections 6.3 and 6.16).
     """
     whole = float(weights.sum())

@@ -50,13 +50,13 @@ def spread_over(count: int, most: int) -> NDArray[np.int64]:
 
 
 def with_before(layout: Layout, motion: Array) -> Array:
-    """Return motions (windows, m) with those of the window before beside them (windows, 2 m); a test's first has its own again."""
+    """Return motions (windows, m) with those of the window before next to them (windows, 2 m); a test's first has its own again."""
     first = np.concatenate([[True], layout.of_test[1:] != layout.of_test[:-1]])
     return np.hstack([motion, np.where(first[:, None], motion, np.roll(motion, 1, axis=0))])
 
 
 def regressed(described: Sequence[Array], values: Array, parts: NDArray[np.int64]) -> Array:
-    """Return what is left of values (n, d) in each part (n,) by the regression of the others on one of the descriptions (n, m)."""
+    """Return the residual of values (n, d) in each part (n,) by the regression of the others on one of the descriptions (n, m)."""
     tried = [np.zeros_like(values)]
     for one in (each for each in described if each.shape[1]):
         for length in LENGTHS:
@@ -89,7 +89,7 @@ def predictions(within: Array, values: Array, parts: NDArray[np.int64]) -> list[
 
 
 def _chosen(values: Array, tried: Array, parts: NDArray[np.int64]) -> Array:
-    """Return what is left of values (windows, d) by that of the predictions (tried, windows, d) that does best in all other parts."""
+    """Return the residual of values (windows, d) by that of the predictions (tried, windows, d) that does best in all other parts."""
     squares, left = (values - tried) ** 2, np.empty_like(values)
     for part in np.unique(parts):
         out = parts == part

@@ -1,4 +1,4 @@
-"""How fast a plant is by itself: its shortest time constant beside a sample, and whether it grows by itself."""
+"""How fast a plant is by itself: its shortest time constant relative to a sample, and whether it grows by itself."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ and the size of the correction says how finely. Where nothing locks friction pas
 event. ``before`` holds f(z), s and the next s.
 Source: Hochbruck & Ostermann (2010), Acta Numerica 19, 209-286, sections 2.4, 2.5 (Rosenbrock) and 2.7 (multistep).
 
-Whole numbers that are constants are passed as ``np.int64``: numba compiles a function anew for each literal.
+Whole numbers that are constants are passed as ``np.int64``: numba compiles a function again for each literal.
 
 The names in capitals, ``rates``, ``limiting``, ``predict``, ``glide`` and ``correct`` are supplied by the generated file, ``lead`` and
 ``mend`` by the file that all kernels share (`hjcamp.model.compile.shared`), what follows an event by `hjcamp.model.compile.regimes`.

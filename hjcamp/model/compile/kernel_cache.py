@@ -1,4 +1,4 @@
-"""Load a generated kernel as a module that numba compiles once and keeps; what is damaged there is made anew.
+"""Load a generated kernel as a module that numba compiles once and keeps; what is damaged there is made again.
 
 Beyond the text itself nothing in the folder is needed: every file there may be missing, cut off or changed.
 """

@@ -56,8 +56,8 @@ def _line_of(function: Callable[..., Any], offset: int) -> tuple[str, int, str]:
     tree = _bare(ast.Module([whole_definition(function)], []))
     copied = ast.parse(ast.unparse(tree))
     # both trees have the same nodes in the same order, only their lines differ
-    alike = zip(ast.walk(tree), ast.walk(copied), strict=True)
-    lines = [one.lineno for one, other in alike if isinstance(one, ast.stmt) and _at(other) == offset]
+    similar = zip(ast.walk(tree), ast.walk(copied), strict=True)
+    lines = [one.lineno for one, other in similar if isinstance(one, ast.stmt) and _at(other) == offset]
     number = lines[-1] if lines else 1
     return _file(function), first + number - 1, text[number - 1].strip()
 

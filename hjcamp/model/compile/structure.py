@@ -124,7 +124,7 @@ def points_of(composition: Composition, draws: int = 60) -> list[Point]:
     """Return inputs, parameters, states, moves of the states and regimes at which ``nonlinear_rates`` looks.
 
     The states spread from a hundredth of their typical sizes to a thousand times, so that a threshold far from rest is seen. Half of
-    the points have their inputs at their defaults, half spread alike: what is linear without a current may be curved with one.
+    the points have their inputs at their defaults, half spread equally: what is linear without a current may be curved with one.
     """
     generator = np.random.default_rng(20090402)
     n = len(composition.states)

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 class Course:
     """Measured motion along which a model is driven: one or more tests one after the other, n samples ``period`` apart.
 
-    ``restart`` (n): 2 where a test begins, 1 where the observed states are set anew, else 0. ``driven`` (n, driven
+    ``restart`` (n): 2 where a test begins, 1 where the observed states are set again, else 0. ``driven`` (n, driven
     states) and ``observed`` (n, the observed states) in SI; ``velocity`` (n, contacts) of each contact, 0 where it rests;
     ``given`` (n, inputs) as `inputs_along` makes them, which hold from each sample to the next.
     """

@@ -1,4 +1,4 @@
-"""Control laws and procedures: one class whose ``step`` runs once per sample, on the rig and inside the kernel alike.
+"""Control laws and procedures: one class whose ``step`` runs once per sample, on the rig as inside the kernel.
 
 ``step(sample, parameter, memory)`` is plain Python; the generator turns the three namespaces into a flat function, so
 the simulator runs the very text that the rig runs.

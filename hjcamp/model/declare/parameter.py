@@ -20,7 +20,7 @@ class Parameter:
     """A constant of the model: unit (SI), default, bounds and, for fitting, the prior over the bounds.
 
     A log-normal prior says that the size is known to within a factor of three (what a payload weighs, what the water of a
-    tube weighs), so that effects that fit alike are told apart by it; it takes no part in the fit itself.
+    tube weighs), so that effects that fit equally well are distinguished by it; it takes no part in the fit itself.
     ``shape`` marks a parameter that enters non-linearly (a length, a time constant): it is fitted from several starts.
     ``off`` is the value at which the effect that owns it vanishes, if there is one. ``each_test`` marks what a test begins
     with and no rig repeats: every measured test then has a value of its own, told by its lines, and the parameter is their mean.
@@ -89,7 +89,7 @@ class State:
     size at which the model is linearised. ``low`` is what it cannot fall below (a level, an absolute pressure). A state that
     nothing measures begins about 0, or about its ``typical`` value where it has a ``low``: ``State("K", typical=350.0, low=200.0)``.
     ``start`` may be "unknown": each test then has a value of its own; ``scatter`` is its standard deviation from test to test.
-    An effect's state that is ``known`` at rest starts anew where the observed states are set to measurements at rest.
+    An effect's state that is ``known`` at rest starts again where the observed states are set to measurements at rest.
     """
 
     unit: str

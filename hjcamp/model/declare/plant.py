@@ -52,7 +52,7 @@ class Plant:
     Lines that occur twice are written once, as a function: ``NAME = part(FUNCTION, ...)`` (see `hjcamp.model.declare.marks.part`).
     ``fields`` of its logs follow from what is measured and given, unless it names them; ``one_of`` them a log must have.
     ``rooms`` are modules that do for this plant alone what the program does for any (`hjcamp.model.files.rooms`): what is done ->
-    the module's name, or a file beside the plant's.
+    the module's name, or a file next to the plant's.
     """
 
     name: ClassVar[str] = ""

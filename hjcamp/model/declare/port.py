@@ -78,7 +78,7 @@ class Port:
     """One place of a plant: its kind, and the plant's name for each name of the kind that it offers.
 
     Declared as a class attribute, ``seal = Port("contact", velocity="slider_velocity", ...)``, or made by an element
-    of the equations. Ports of one ``group`` are alike (two lines of one make): an effect that is declared ``together``
+    of the equations. Ports of one ``group`` are similar (two lines of one make): an effect that is declared ``together``
     acts on all of them with one set of parameters. ``like`` maps a slot that is 0 without effects to a name of the plant
     that has its usual size.
     """

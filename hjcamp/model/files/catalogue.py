@@ -72,7 +72,7 @@ def scan(
 def scan_files(
     files: Sequence[tuple[str, Path]], file_of_kind: str, base: type[Kind], taken: Mapping[str, type[Kind]]
 ) -> dict[str, type[Kind]]:
-    """Return the classes by name that are ``taken``, and those of a user's files beside them; refuse a name that is taken."""
+    """Return the classes by name that are ``taken``, and those of a user's files in addition to them; refuse a name that is taken."""
     found = dict(taken)
     for name, path in files:
         check_name(path if path.name != file_of_kind else path.parent)

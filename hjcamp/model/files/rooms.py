@@ -19,7 +19,8 @@ ROOMS: dict[str, tuple[str, ...]] = {
     # the plant in elements and inputs alone, as the common diagnosis takes it
     "common": ("PLANT",),
     "python": (
-        "OVER_FLOOR", "compared", "comparison_sentences", "comparison_drawn", "comparison_page", "diagnosed", "diagnosis_sentences",
+        "OVER_NOISE_FLOOR", "compared", "comparison_sentences", "comparison_drawn", "comparison_page", "diagnosed",
+        "diagnosis_sentences",
         "diagnosis_drawn", "diagnosis_page", "added", "calibrated",
     ),
     "simulation": ("run_test", "kernel_texts"),
@@ -35,12 +36,12 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "configuration": ("check_test", "check_model"),
     "indicators": ("INDICATORS", "FURTHER", "error_indicators", "line_indicators"),
     "panels": ("PANELS", "SIGNALS"),
-    "published": ("CONDITION", "MEASURED_WITH", "CAMPAIGNS", "cell_key", "published_cells", "standing", "beside_refit"),
+    "published": ("CONDITION", "MEASURED_WITH", "CAMPAIGNS", "cell_key", "published_cells", "standing", "against_refit"),
 }  # fmt: skip
 
 
 def open_room(name: str, module: str, plant_file: Path, plant: str) -> ModuleType:
-    """Return the module of a room: by its name, or a file (``calibrate.py``) beside that of the plant.
+    """Return the module of a room: by its name, or a file (``calibrate.py``) next to that of the plant.
 
     Raises ``UsageError`` for a file that cannot be loaded, and for a module without what the room must hold.
     """

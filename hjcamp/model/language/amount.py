@@ -63,7 +63,7 @@ class Amount:
         known = KNOWN_CONSTANTS.get(float(value))
         return Amount(float(value), dimension(known or "1"), known is None)
 
-    def alike(self, other: Any, doing: str) -> Amount:
+    def in_same_unit(self, other: Any, doing: str) -> Amount:
         """Return ``other`` as an amount of the same dimension, or refuse it; ``self`` may be the literal."""
         found = Amount.of(other)
         if self.dims != found.dims and not self.literal and not found.literal:
@@ -71,7 +71,7 @@ class Amount:
         return found
 
     def _sum(self, other: Any, value: float, doing: str) -> Amount:
-        other = self.alike(other, doing)
+        other = self.in_same_unit(other, doing)
         return Amount(value, other.dims if self.literal else self.dims, self.literal and other.literal)
 
     def __add__(self, other: Any) -> Amount:
@@ -116,19 +116,19 @@ class Amount:
         return Amount(abs(self.value), self.dims, self.literal)
 
     def __lt__(self, other: Any) -> bool:
-        return self.value < self.alike(other, "compares").value
+        return self.value < self.in_same_unit(other, "compares").value
 
     def __le__(self, other: Any) -> bool:
-        return self.value <= self.alike(other, "compares").value
+        return self.value <= self.in_same_unit(other, "compares").value
 
     def __gt__(self, other: Any) -> bool:
-        return self.value > self.alike(other, "compares").value
+        return self.value > self.in_same_unit(other, "compares").value
 
     def __ge__(self, other: Any) -> bool:
-        return self.value >= self.alike(other, "compares").value
+        return self.value >= self.in_same_unit(other, "compares").value
 
     def __eq__(self, other: object) -> bool:
-        return self.value == self.alike(other, "compares").value
+        return self.value == self.in_same_unit(other, "compares").value
 
     __hash__ = None  # type: ignore[assignment]
 

@@ -76,7 +76,7 @@ def _mathematics(name: str) -> Any:
             power: Amount = first ** arguments[1]
             return power
         if name in ("hypot", "atan2", *SAME):
-            second = arguments[1] if name == "copysign" else first.alike(arguments[1], f"{name} of")
+            second = arguments[1] if name == "copysign" else first.in_same_unit(arguments[1], f"{name} of")
             dims = dimension("1") if name == "atan2" else first.dims
             return Amount(value(first.value, Amount.of(second).value), dims)
         return Amount(value(*(pure(argument, f"the argument of {name}") for argument in arguments)), dimension("1"))

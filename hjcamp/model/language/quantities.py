@@ -76,8 +76,8 @@ class Quantities:
         known = {name: item.unit for name, item in self.plant.states.items()}
         known |= {name: item.unit for name, item in self.plant.inputs.items()}
         known |= {item.sensor: known[item.of] for item in self.plant.measured.values() if item.of in known}
-        beside = [self.port.names[unit], *self.port.names.values()] if unit in self.port.names else []
-        declared = (known[name] for name in beside if name in known and dimension(known[name]) == whole.dims)
+        near = [self.port.names[unit], *self.port.names.values()] if unit in self.port.names else []
+        declared = (known[name] for name in near if name in known and dimension(known[name]) == whole.dims)
         written = next(declared, "") or self.units.written(whole.dims)
         return written, float(eval(unit, {"__builtins__": {}}, sizes))
 

@@ -232,7 +232,7 @@ def _first(course: Course, samples: int) -> Course:
 
 
 def _windowed(course: Course, ideal: Array) -> Course:
-    """Return the course with the true states set anew every ``WINDOW`` samples: slips then keep their instants."""
+    """Return the course with the true states set again every ``WINDOW`` samples: slips then keep their instants."""
     restart = course.restart.copy()
     restart[WINDOW::WINDOW] = 1
     velocity = np.gradient(ideal[:, -1], course.period)

@@ -21,7 +21,7 @@ ROOMS = {
     "watches": f"{HERE}.rig.margins",
     "indicators": f"{HERE}.indicators",
     "panels": f"{HERE}.figures.panels",
-    "published": f"{HERE}.published.beside",
+    "published": f"{HERE}.published.reference",
     "run": f"{HERE}.studies.of_run",
     "kernels": f"{HERE}.studies.warm",
 }

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError, shown, unknown
-from hjcamp.known_plants import DEFAULT, find_plant, plants_beside_faults
+from hjcamp.known_plants import DEFAULT, find_plant, plants_and_faults
 from hjcamp.model.checks.plant_checks import check_users_plant
 from hjcamp.model.declare.parameter import Parameter
 from hjcamp.model.declare.plant import Plant
@@ -237,7 +237,7 @@ def _only_fields(fields: Any, table: FieldTable, where: str) -> None:
 
 def _plants_with(name: str) -> list[str]:
     found = []
-    for plant in plants_beside_faults()[0].values():
+    for plant in plants_and_faults()[0].values():
         with suppress(UsageError):  # another plant's file may be at fault; that is not what is asked
             if name in fields_of(plant).names and name not in ("time_s", "phase"):
                 found.append(plant.name)

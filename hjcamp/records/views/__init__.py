@@ -1,1 +1,1 @@
-"""Logs for other programs: tables, viewers, models beside what was measured."""
+"""Logs for other programs: tables, viewers, models next to what was measured."""

@@ -66,7 +66,7 @@ def _linked(text: str, known: Collection[str], ending: str) -> str:
 
 
 def effect_page(entry: EffectEntry, known: Collection[str] = (), back: str = "index.html") -> str:
-    """Return the page of one effect; ``known`` are the effects with a page beside it."""
+    """Return the page of one effect; ``known`` are the effects with a page next to it."""
     effect = entry.effect
     where = f"acts on each {effect.acts_on}" if effect.acts_on else f"acts on the {effect.subsystem}"
     fits = f"; fits {', '.join(entry.plants)}" if entry.plants else ""

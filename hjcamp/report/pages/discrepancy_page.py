@@ -42,7 +42,7 @@ def picture(caption: str, svg: str) -> str:
 
 
 def side_by_side(pictures: Sequence[tuple[str, str]]) -> str:
-    """Return pictures with what they show in words, beside each other, one below the other where the page is narrow."""
+    """Return pictures with what they show in words, next to each other, one below the other where the page is narrow."""
     if not pictures:
         return ""
     return (

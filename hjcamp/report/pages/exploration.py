@@ -33,7 +33,7 @@ class Exploration:
     """Tests, added one after the other; of each only its points for the page are kept.
 
     A channel is a name that ends with its unit (``position_mm``), whatever the plant. ``tests`` is how many will be added,
-    ``models`` their models in order, ``hidden`` those that are switched off at first, ``floors`` the floor of each channel in its unit,
+    ``models`` their models in order, ``hidden`` those that are off at first, ``noise_floors`` those of the channels in their units,
     ``observed`` what readings are called.
     """
 
@@ -41,7 +41,7 @@ class Exploration:
         self,
         tests: int,
         models: Sequence[str],
-        floors: Mapping[str, float | None] | None = None,
+        noise_floors: Mapping[str, float | None] | None = None,
         hidden: Sequence[str] = (),
         observed: str = "measured",
     ) -> None:
@@ -49,7 +49,7 @@ class Exploration:
         self._expected = tests
         self._models = list(models)
         self._hidden = list(hidden)
-        self._floors = dict(floors or {})
+        self._noise_floors = dict(noise_floors or {})
         self._channels: dict[str, dict[str, Any]] = {}
         # from the unit of the name to that of tables
         self._factors: dict[str, float] = {}
@@ -110,13 +110,17 @@ class Exploration:
         self.add(name, log.condition_key, log.command_phase["time_s"], measured, {REFERENCE: wanted} if wanted else {})
 
     def head(self) -> dict[str, Any]:
-        """Return everything but the points: channels, models, floors, tests with their curves and errors."""
+        """Return everything but the points: channels, models, noise floors, tests with their curves and errors."""
         return {
             "channels": list(self._channels.values()),
             "models": self._models,
             "observed": self._observed,
             "hidden": self._hidden,
-            "floors": {name: floor * self._factors.get(name, 1.0) for name, floor in self._floors.items() if floor},
+            "floors": {
+                name: noise_floor * self._factors.get(name, 1.0)
+                for name, noise_floor in self._noise_floors.items()
+                if noise_floor
+            },
             "tests": self._tests,
             "averaged": self._stretch,
         }

@@ -14,7 +14,7 @@ from hjcamp.report.pictures import conditions as figures
 from hjcamp.report.pictures.conditions import tidy
 from hjcamp.report.pictures.small_multiples import small_multiples
 from hjcamp.report.runs.spread import Condition
-from hjcamp.report.tables.sheet import BESIDE, Cell, Sheet
+from hjcamp.report.tables.sheet import REFERENCE_COLUMNS, Cell, Sheet
 from hjcamp.report.wording.names import readable
 
 #: The page's own shades, which follow light and dark, in place of the colours of the drawing.
@@ -68,7 +68,7 @@ def build_page(
     small: Sequence[Condition] = (),
     explorer: str = "",
     sheets: Sequence[Sheet],
-    beside: Sheet | None = None,
+    open_sheet: Sheet | None = None,
     pictures: Mapping[str, Picture],
     further: Mapping[str, tuple[str, str]] | None = None,
     origin: Sequence[tuple[str, str]],
@@ -78,7 +78,7 @@ def build_page(
 ) -> Iterator[str]:
     """Yield the HTML of the report piece by piece, one picture after the other; every text is escaped.
 
-    ``overview`` is the SVG of all conditions, ``small`` are those drawn small, ``beside`` is a table that stands open
+    ``overview`` is the SVG of all conditions, ``small`` are those drawn small, ``open_sheet`` is a table that stands open
     below them, ``explorer`` is a block of HTML.
     ``template`` is a file of the user's (docs/templates.md).
     ``pictures`` are those of the conditions by name, ``further`` those of the campaign itself, heading -> (SVG, caption), which
@@ -99,7 +99,7 @@ def build_page(
         further=html("\n".join(first)),
         overview=html(f"<figure>{shaded(tidy(overview), OVERVIEW)}</figure>" if overview else ""),
         small=html(small_multiples(small, numbered, {}) if small else ""),
-        beside=html(table_html(beside) if beside else ""),
+        beside=html(table_html(open_sheet) if open_sheet else ""),
         explorer=html(explorer),
         tables=[html(folded(sheet)) for sheet in sheets],
         sheets=sheets,
@@ -119,7 +119,8 @@ def folded(sheet: Sheet) -> str:
 def table_html(sheet: Sheet) -> str:
     """Return one sheet as a heading, a table and its notes."""
     headers = "".join(
-        f'<th{_class("published" if header in BESIDE else "")} scope="col">{escape(header)}</th>' for header in sheet.headers
+        f'<th{_class("published" if header in REFERENCE_COLUMNS else "")} scope="col">{escape(header)}</th>'
+        for header in sheet.headers
     )
     rows = "\n".join(_row_html(row, len(sheet.headers)) for row in sheet.rows)
     source = [f"Layout: {sheet.source}. Mean ± sample standard deviation, deg."] if sheet.source else []

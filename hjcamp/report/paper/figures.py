@@ -114,7 +114,7 @@ def drawn(name: str) -> str:
 
 
 def means_painter(conditions: Sequence[str], indicators: Sequence[str], kinds: Sequence[Dots]) -> Callable[[Any], None]:
-    """Return what paints mean and deviation of every condition, two panels beside each other."""
+    """Return what paints mean and deviation of every condition, two panels next to each other."""
 
     def paint(figure: Any) -> None:
         columns = min(2, len(indicators))

@@ -9,7 +9,7 @@ from dataclasses import replace
 from hjcamp.report.paper.names import header
 from hjcamp.report.paper.numbers import unit_latex
 from hjcamp.report.tables.formats import escape_latex
-from hjcamp.report.tables.sheet import BESIDE, NO_TEST, Cell, Sheet
+from hjcamp.report.tables.sheet import NO_TEST, REFERENCE_COLUMNS, Cell, Sheet
 from hjcamp.report.wording.names import readable
 
 NEEDS = "% needs \\usepackage{amssymb,booktabs,siunitx}"
@@ -102,7 +102,7 @@ def _packed(sheet: Sheet, width_mm: float) -> list[list[int]]:
     for place, name in enumerate(sheet.headers):
         if place in keys:
             continue
-        if name in BESIDE and groups:
+        if name in REFERENCE_COLUMNS and groups:
             groups[-1].append(place)
         else:
             groups.append([place])
@@ -118,7 +118,7 @@ def _packed(sheet: Sheet, width_mm: float) -> list[list[int]]:
 def _heading(sheet: Sheet, place: int) -> str:
     """Return the heading of a column with the unit of an angle's error; where a table has blocks these say it."""
     text = sheet.headers[place]
-    mean = sheet.headers[place - 1] if text in BESIDE and place else text
+    mean = sheet.headers[place - 1] if text in REFERENCE_COLUMNS and place else text
     angle = mean.strip("|") in ANGLES and all(row[0].kind != "block" for row in sheet.rows)
     return f"{header(text)} (deg)" if angle else header(text)
 

@@ -1,4 +1,4 @@
-"""The corner plot of fitted parameters: how well each is known, and which two the tests hardly tell apart."""
+"""The corner plot of fitted parameters: how well each is known, and which two the tests hardly distinguish."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ RADII = tuple(float(np.sqrt(-2.0 * np.log(1.0 - share))) for share in (0.68, 0.9
 
 
 #: Of two parameters that are more alike a test says hardly more than of their sum or ratio.
-ALIKE = 0.95
+SIMILAR = 0.95
 #: Margins of a panel: left, right and below; above, where the value stands.
 SIDE, TOP = 0.06, 0.16
 

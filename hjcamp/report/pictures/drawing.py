@@ -42,8 +42,8 @@ def draw(size: tuple[float, float], name: str, paint: Callable[[Any], None]) -> 
     return buffer.getvalue()
 
 
-def draw_errors(rows: Sequence[tuple[str, float]], over: str, floor: bool = True, before: int = 0) -> str:
-    """Return bars of named errors, ``over`` what; with a ``floor`` the last of them is that, with a line at 1.
+def draw_errors(rows: Sequence[tuple[str, float]], over: str, noise_floor: bool = True, before: int = 0) -> str:
+    """Return bars of named errors, ``over`` what; with a ``noise_floor`` the last of them is that, with a line at 1.
 
     The colours are those of models on a page, from the first one behind so many that stand ``before`` these and have one of their own.
     """
@@ -51,12 +51,16 @@ def draw_errors(rows: Sequence[tuple[str, float]], over: str, floor: bool = True
     def paint(figure: Any) -> None:
         axis = figure.subplots()
         shown = list(rows)[::-1]
-        models = [PURPLE] * before + [MODELS[k % len(MODELS)] for k in range(len(shown) - before - floor)] + [INK] * floor
+        models = (
+            [PURPLE] * before
+            + [MODELS[k % len(MODELS)] for k in range(len(shown) - before - noise_floor)]
+            + [INK] * noise_floor
+        )
         colours = models[::-1]
         bars = axis.barh(range(len(shown)), [value for _, value in shown], color=colours, height=0.55)
         axis.bar_label(bars, [f"{value:.2f}" for _, value in shown], padding=3, fontsize=8, color=INK)
         axis.set_yticks(range(len(shown)), [name for name, _ in shown], fontsize=8)
-        if floor:
+        if noise_floor:
             axis.axvline(1.0, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)))
         axis.margins(x=0.1)
         dress(axis, "")

@@ -67,7 +67,7 @@ def draw_missing(missing: Missing) -> dict[str, str]:
     return found
 
 
-def draw_beside(missing: Missing) -> str:
+def draw_remaining_law(missing: Missing) -> str:
     """Return the picture of what is missing after what was named, on a scale of its own."""
     across, up, (_, _, after) = _scaled(missing)
     title = f"missing: {_shortly(missing.name)}"

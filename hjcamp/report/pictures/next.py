@@ -65,12 +65,12 @@ def predictions_figure(tests: Sequence[Prediction], bars: Sequence[Bar], labels:
         figure = kind(figsize=(1.4 + 4.0 * max(len(shown), 2), HEIGHT + below), layout="constrained")
         top, bottom = np.ravel(np.asarray(figure.subfigures(2, 1, height_ratios=[HEIGHT, below])))
         axes = top.subplots(len(labels.rows) + 1, len(shown), squeeze=False, sharex="col")
-        alike = len({tuple(one.means) for one in shown}) == 1
+        similar = len({tuple(one.means) for one in shown}) == 1
         for column, one in enumerate(shown):
             _column(axes[:, column], one, f"{column + 1}  {one.title}", column == 0, labels)
-            if not alike:
+            if not similar:
                 axes[0, column].legend(fontsize=7.5, frameon=False, loc="best")
-        if alike:
+        if similar:
             handles, names = axes[0, 0].get_legend_handles_labels()
             top.legend(handles, names, fontsize=8, frameon=False, ncols=len(names), loc="outside upper right")
         _bars(bottom.subplots(), bars, labels.bands)

@@ -59,9 +59,9 @@ def draw_windows(
     return draw((9.6, 4.2), "windows", paint)
 
 
-def draw_model_bars(quantity: str, unit: str, rows: Sequence[tuple[str, float]], floor: float) -> str:
-    """Return the error of each model in a channel as bars in the models' colours, and its floor as a line."""
-    label, [bars, line] = readable(quantity, unit, np.array([value for _, value in rows]), np.array([floor]))
+def draw_model_bars(quantity: str, unit: str, rows: Sequence[tuple[str, float]], noise_floor: float) -> str:
+    """Return the error of each model in a channel as bars in the models' colours, and its noise floor as a line."""
+    label, [bars, line] = readable(quantity, unit, np.array([value for _, value in rows]), np.array([noise_floor]))
 
     def paint(figure: Any) -> None:
         axis = figure.subplots()

@@ -1,4 +1,4 @@
-"""Aggregate indicators into the declared tables, and set them beside the published values."""
+"""Aggregate indicators into the declared tables, and set them next to the published values."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hjcamp.report.tables.declared import TableDefinition
 
 #: From how many published deviations on a difference is marked.
 FAR_OFF = 2.0
-BESIDE = {
+REFERENCE_COLUMNS = {
     "_published_mean": pl.Float64,
     "_published_std": pl.Float64,
     "_decimals": pl.Int64,
@@ -25,7 +25,7 @@ BESIDE = {
 class AnotherRun(Protocol):
     """A run to compare with, as `RunComparison` is."""
 
-    def beside(self, table: pl.DataFrame, names: Sequence[str], magnitudes: Sequence[str] = ()) -> pl.DataFrame:
+    def with_reference(self, table: pl.DataFrame, names: Sequence[str], magnitudes: Sequence[str] = ()) -> pl.DataFrame:
         """Return an aggregated table with the values of that run in columns of their own."""
 
 
@@ -55,9 +55,9 @@ def build_table(indicators: pl.DataFrame, definition: TableDefinition, against: 
     """Return the aggregated frame of one declared table: its choices, ``<indicator>_mean``, ``_std``, ``n``.
 
     With arrows declared, ``<indicator>_arrow`` is ↓, ↑ or =. With ``against="published"`` each indicator has
-    ``_published_mean``, ``_published_std``, ``_difference`` and ``_difference_in_std`` beside it (null where the thesis
+    ``_published_mean``, ``_published_std``, ``_difference`` and ``_difference_in_std`` next to it (null where the thesis
     prints nothing), but only in rows whose configuration is that of the published test; ``published_differs`` says
-    where another row's is not. With another run, its values stand beside as `RunComparison.beside` has them. Rows without
+    where another row's is not. With another run, its values stand next to it as `RunComparison.with_reference` has them. Rows without
     tests are left out; no rows at all is an empty frame.
     """
     frame = _with_defaults(indicators)
@@ -78,19 +78,19 @@ def build_table(indicators: pl.DataFrame, definition: TableDefinition, against: 
         for group, names in definition.where.items():
             fixed = group not in table.columns and group in CONDITION and len(names) == 1
             table = table.with_columns(pl.lit(names[0]).alias(group)) if fixed else table
-        return _beside(table, definition.published, definition.indicators, definition.magnitudes)
+        return _with_published(table, definition.published, definition.indicators, definition.magnitudes)
     if against is not None and not isinstance(against, str):
-        table = against.beside(table, definition.indicators, definition.magnitudes)
+        table = against.with_reference(table, definition.indicators, definition.magnitudes)
     return table.drop(pl.selectors.starts_with("_"))
 
 
 def by_condition(indicators: pl.DataFrame, against: str | AnotherRun | None = "published") -> pl.DataFrame:
-    """Return one row per condition with means, deviations and n, and the published values or another run's beside them."""
+    """Return one row per condition with means, deviations and n, and the published values or another run's next to them."""
     table = aggregate(indicators, ["condition", "campaign", *CHOICES])
     if isinstance(against, str):
-        return _beside(table, list(CAMPAIGNS), INDICATORS)
+        return _with_published(table, list(CAMPAIGNS), INDICATORS)
     table = table.drop(pl.selectors.starts_with("_"))
-    return table if against is None else against.beside(table, INDICATORS)
+    return table if against is None else against.with_reference(table, INDICATORS)
 
 
 def lines_by_condition(indicators: pl.DataFrame) -> pl.DataFrame:
@@ -100,7 +100,7 @@ def lines_by_condition(indicators: pl.DataFrame) -> pl.DataFrame:
 
 
 def differences(rows: Iterable[Mapping[str, Any]]) -> dict[str, list[str]]:
-    """Return why no published value stands beside (``published_differs``), each reason with its conditions."""
+    """Return why no published value stands next to it (``published_differs``), each reason with its conditions."""
     found: dict[str, list[str]] = {}
     for row in rows:
         if row.get("published_differs"):
@@ -157,9 +157,11 @@ def _with_arrows(table: pl.DataFrame, definition: TableDefinition) -> pl.DataFra
     return table
 
 
-def _beside(table: pl.DataFrame, tables: Sequence[str], names: Sequence[str], magnitudes: Sequence[str] = ()) -> pl.DataFrame:
-    """Put the cells of some published tables beside the rows whose configuration is that of the published test."""
-    values: dict[str, list[Any]] = {f"{name}{suffix}": [] for name in names for suffix in BESIDE}
+def _with_published(
+    table: pl.DataFrame, tables: Sequence[str], names: Sequence[str], magnitudes: Sequence[str] = ()
+) -> pl.DataFrame:
+    """Put the cells of some published tables next to the rows whose configuration is that of the published test."""
+    values: dict[str, list[Any]] = {f"{name}{suffix}": [] for name in names for suffix in REFERENCE_COLUMNS}
     differs: list[str | None] = []
     for row in table.iter_rows(named=True):
         standing = [one for one in row[STANDING] or [] if one["table"] in tables]
@@ -167,11 +169,11 @@ def _beside(table: pl.DataFrame, tables: Sequence[str], names: Sequence[str], ma
         for name in names:
             found = next(filter(None, (_cells().get((one["table"], one["cell"], name)) for one in equal)), None)
             printed = any((one["table"], one["cell"], name) in _cells() for one in standing)
-            for suffix, value in zip(BESIDE, (*(found or (None, None, None)), printed), strict=True):
+            for suffix, value in zip(REFERENCE_COLUMNS, (*(found or (None, None, None)), printed), strict=True):
                 values[f"{name}{suffix}"].append(value)
         why = [one["differs"] for one in standing if any((one["table"], one["cell"], name) in _cells() for name in names)]
         differs.append(None if equal or not why else why[0])
-    kinds = [kind for _ in names for kind in BESIDE.values()]
+    kinds = [kind for _ in names for kind in REFERENCE_COLUMNS.values()]
     table = table.with_columns(pl.Series(name, values[name], kind) for name, kind in zip(values, kinds, strict=True))
     for name in names:
         ours, theirs = pl.col(f"{name}_mean"), pl.col(f"{name}_published_mean")

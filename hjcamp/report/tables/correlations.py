@@ -41,8 +41,8 @@ def correlations(
     for name, values in inputs.items():
         if not np.any([np.ptp(values[one]) > 0.0 for one in parts]):
             continue
-        alike = _correlation(values, values, parts, most)
-        spread = np.sqrt(max(1.0 + 2.0 * float(np.sum(own[1:] * alike[1:])), 1.0) / number)
+        similar = _correlation(values, values, parts, most)
+        spread = np.sqrt(max(1.0 + 2.0 * float(np.sum(own[1:] * similar[1:])), 1.0) / number)
         crossed = _correlation(residual, values, parts, most)
         found.append(Correlation(f"with {name} before", lags, crossed, np.full(len(lags), NORMAL * spread)))
     return found

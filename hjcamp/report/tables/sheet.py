@@ -1,4 +1,4 @@
-"""Arrange an aggregated table for the eye: rows, columns, published values beside, marks where far off."""
+"""Arrange an aggregated table for the eye: rows, columns, published values next to them, marks where far off."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ TITLES = {
 FAR_OFF_NOTE = f"▲ ▼: more than {FAR_OFF:g} published standard deviations above or below the published mean."
 NO_TEST = "–"
 #: Headings of columns that stand beside a mean.
-BESIDE = ("published", "baseline")
+REFERENCE_COLUMNS = ("published", "baseline")
 NAMED, REASONS = 3, 6
 
 
@@ -104,7 +104,7 @@ def _arrange_plain(rows: Sequence[dict[str, Any]], definition: TableDefinition, 
     compared = [name for name in definition.indicators if any(row.get(f"{name}_printed") for row in rows)]
     headers = [*keys, "n"]
     for name in definition.indicators:
-        headers += [_title(name, definition), *([_beside(rows)] if name in compared else [])]
+        headers += [_title(name, definition), *([_reference(rows)] if name in compared else [])]
     body = []
     for row in rows:
         cells = [Cell(str(row[key] or ""), "key") for key in keys]
@@ -120,7 +120,7 @@ def _arrange_across(rows: Sequence[dict[str, Any]], definition: TableDefinition,
     columns = [column for column in definition.across if any(_matches(row, column) for row in rows)]
     headers = list(keys)
     for column in columns:
-        headers += [column.title, *([_beside(rows)] if compared else [])]
+        headers += [column.title, *([_reference(rows)] if compared else [])]
     headers += [column.title for column in definition.from_print]
     body: list[list[Cell]] = []
     for name in definition.indicators:
@@ -158,14 +158,14 @@ def _improved(cell: Cell, row: dict[str, Any], base: dict[str, Any], name: str) 
 
 def _sheet(definition: TableDefinition, headers: list[str], body: list[list[Cell]], rows: Sequence[Mapping[str, Any]]) -> Sheet:
     notes = list(definition.notes)
-    if _beside(rows) == "published" and any(cell.mark for row in body for cell in row):
+    if _reference(rows) == "published" and any(cell.mark for row in body for cell in row):
         notes.append(FAR_OFF_NOTE)
-    notes += why_not_beside(differences(rows), len(rows))
+    notes += why_no_reference(differences(rows), len(rows))
     return Sheet(definition.name, definition.title, definition.source, headers, body, notes)
 
 
-def why_not_beside(found: Mapping[str, Sequence[str]], rows: int) -> list[str]:
-    """Return a sentence for each reason why no published value stands beside some of the ``rows`` (of `differences`)."""
+def why_no_reference(found: Mapping[str, Sequence[str]], rows: int) -> list[str]:
+    """Return a sentence for each reason why no published value stands next to some of the ``rows`` (of `differences`)."""
     notes = []
     for reason, conditions in list(found.items())[:REASONS]:
         more = f" and {len(conditions) - NAMED} more" if len(conditions) > NAMED else ""
@@ -179,8 +179,8 @@ def _title(name: str, definition: TableDefinition) -> str:
     return f"|{TITLES[name]}|" if name in definition.magnitudes else TITLES[name]
 
 
-def _beside(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return what stands beside the means: the published values, or those of another run."""
+def _reference(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return what stands next to the means: the published values, or those of another run."""
     return "baseline" if any(name.endswith("_baseline_mean") for row in rows[:1] for name in row) else "published"
 
 
@@ -191,11 +191,11 @@ def _pair(row: dict[str, Any], name: str, definition: TableDefinition, compared:
     text = " ".join(part for part in (with_own_deviation(mean, std), row.get(f"{name}_arrow") or "") if part)
     cells = [Cell(text, "value", far_off(row, name))]
     if compared:
-        beside = f"{name}_{_beside([row])}"
-        printed = row[f"{beside}_mean"]
+        reference = f"{name}_{_reference([row])}"
+        printed = row[f"{reference}_mean"]
         if printed is not None and name in definition.magnitudes:
             printed = abs(printed)
-        shown = with_deviation(printed, row[f"{beside}_std"], row[f"{name}_decimals"] or 1)
+        shown = with_deviation(printed, row[f"{reference}_std"], row[f"{name}_decimals"] or 1)
         cells.append(Cell(shown if row[f"{name}_printed"] else "", "published"))
     return cells
 
@@ -203,7 +203,7 @@ def _pair(row: dict[str, Any], name: str, definition: TableDefinition, compared:
 def far_off(row: dict[str, Any], name: str) -> str:
     """Return ▲ or ▼ where a mean is more than two published deviations above or below the published one, else nothing.
 
-    A difference that the rounding of the print could explain is never marked. Beside another run, what is more than
+    A difference that the rounding of the print could explain is never marked. Next to another run, what is more than
     scatter is marked.
     """
     in_std, difference = row.get(f"{name}_difference_in_std"), row.get(f"{name}_difference")

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from hjcamp.errors import visible
 from hjcamp.report.tables.aggregation import by_condition
-from hjcamp.report.tables.sheet import BESIDE, Cell, Sheet, arrange_conditions
+from hjcamp.report.tables.sheet import REFERENCE_COLUMNS, Cell, Sheet, arrange_conditions
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType
@@ -23,7 +23,7 @@ GAP = 2
 
 
 def summary_table(indicators: pl.DataFrame, against: str | None = "published") -> FittedSheet:
-    """Return the conditions for the terminal: the choices that vary, each indicator, and the published values beside.
+    """Return the conditions for the terminal: the choices that vary, each indicator, and the published values next to them.
 
     ▲ and ▼ mark means that are more than two published standard deviations above or below.
     """
@@ -68,12 +68,12 @@ class FittedSheet:
         return (keys, numbers.pop()) if len(numbers) == 1 else ([*keys, place], "")
 
     def _packed(self, keys: list[int], width: int) -> list[list[int]]:
-        """Return the columns of each block: as many as fit, and a published value always beside its mean."""
+        """Return the columns of each block: as many as fit, and a published value always next to its mean."""
         headers = self.sheet.headers
         left = [place for place in range(len(headers)) if place not in keys and headers[place] != "n"]
         pairs: list[list[int]] = []
         for place in left:
-            if headers[place] in BESIDE and pairs:
+            if headers[place] in REFERENCE_COLUMNS and pairs:
                 pairs[-1].append(place)
             else:
                 pairs.append([place])
@@ -91,7 +91,9 @@ class FittedSheet:
         for place in columns:
             header = self.sheet.headers[place]
             # Where nothing else helps a long name is folded; a number or its mark never is.
-            table.add_column(header, style="dim" if header in BESIDE else "", no_wrap=place not in keys, overflow="fold")
+            table.add_column(
+                header, style="dim" if header in REFERENCE_COLUMNS else "", no_wrap=place not in keys, overflow="fold"
+            )
         for row in self.sheet.rows:
             table.add_row(*[_text(row[place]) for place in columns if place < len(row)])
         return table

@@ -1,4 +1,4 @@
-"""What is said of an error beside its floor, whatever the plant."""
+"""What is said of an error next to its noise floor, whatever the plant."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 NEAR = 1.3
 WORST = ("condition", "channel", "error / noise floor", "shared by repetitions")
-NO_FLOOR = (
+NO_NOISE_FLOOR = (
     "No test was repeated, so repeatability is unknown, and so is how much of the error is the model's; "
     "repetitions of the same tests show it (3 of each condition are typical: hjcamp run ... repetitions=3)."
 )
@@ -58,7 +58,7 @@ def worst_table(rows: Sequence[Mapping[str, Any]]) -> tuple[tuple[str, ...], lis
 def worse_calibrated(name: str, before: float, after: float, why: str) -> list[str]:
     """Return in words that a model is further off with its base parameters calibrated than as it stands; nothing where it is not.
 
-    ``before`` and ``after`` are its errors over the floor (or spread), ``why`` says what the fit looks at.
+    ``before`` and ``after`` are its errors over the noise floor (or spread), ``why`` says what the fit looks at.
     """
     if not after > WORSE * before:
         return []

@@ -72,8 +72,8 @@ def test_each_amplitude_that_is_no_shape_is_probed() -> None:
 
 def test_two_laws_of_one_driver_in_one_place_are_one(axis: Path) -> None:
     library = load_effects(plant=find_plant("axis"))
-    alike = [name for name in library if law_of(library[name]) == law_of(library["spring"])]
-    assert alike == ["cubic_spring", "soft_stop", "spring"]
+    similar = [name for name in library if law_of(library[name]) == law_of(library["spring"])]
+    assert similar == ["cubic_spring", "soft_stop", "spring"]
     for name in ("hard_stop", "position_friction", "sensor_gain"):
         assert law_of(library[name]) and law_of(library[name]) != law_of(library["spring"]), name
     # no driver, or a memory: nothing to compare

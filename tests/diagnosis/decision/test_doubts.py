@@ -51,8 +51,8 @@ def analysis_of(
     measured = SimpleNamespace(period=PERIOD, sensors=sensors, plant=SimpleNamespace(loop="own"))
     layout = SimpleNamespace(measured=measured, width=WIDTH, memory=memory, short=False, basis=np.ones((WIDTH, 2)))
     windows = SimpleNamespace(layout=layout, starts=np.zeros((32, 1)))
-    floor = SimpleNamespace(source=source)
-    return SimpleNamespace(held=held, base=base, search=search, windows=windows, measured=measured, floor=floor)
+    noise_floor = SimpleNamespace(source=source)
+    return SimpleNamespace(held=held, base=base, search=search, windows=windows, measured=measured, noise_floor=noise_floor)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.commands.any_plant.law_words import free_law
+from hjcamp.commands.any_plant.law_words import described_term
 from hjcamp.commands.any_plant.outside_words import over_time_words
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.decision.law_curve import law_curves
@@ -95,10 +95,10 @@ def test_drag_over_speed_is_as_much_friction(axis: Path) -> None:
 
 def test_what_leaks_between_stores_is_said_of_both() -> None:
     row = {"quantity": "loss", "port": "a_and_b", "driver": "a_and_b_difference", "signal": "pressure_a - pressure_b"}
-    assert free_law(row) == "leak from pressure a to pressure b that depends on their difference"
+    assert described_term(row) == "leak from pressure a to pressure b that depends on their difference"
     row = {"quantity": "force", "port": "velocity", "driver": "velocity_position", "signal": "position", "apart_s": 0.0}
-    assert free_law(row) == "force at velocity that depends on its position"
-    assert free_law({**row, "driver": "time", "signal": "time"}) == "force at velocity that changes with time"
+    assert described_term(row) == "force at velocity that depends on its position"
+    assert described_term({**row, "driver": "time", "signal": "time"}) == "force at velocity that changes with time"
 
 
 @pytest.mark.parametrize(

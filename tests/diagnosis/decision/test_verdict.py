@@ -17,12 +17,12 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from hjcamp.commands.any_plant.remaining_words import most_remains, over_noise
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.diagnosis.calibration.analysis import calibrated
-from hjcamp.diagnosis.data.repeatability import Floor
+from hjcamp.diagnosis.data.repeatability import NoiseFloor
 from hjcamp.diagnosis.data.tests import measured_tests
 from hjcamp.diagnosis.decision import doubts, rivals, verdict
 from hjcamp.diagnosis.decision.verdict import Verdict, agreed, judged
 from hjcamp.diagnosis.estimation.intervals import Interval
-from hjcamp.diagnosis.results.answer import _beside_law, answer
+from hjcamp.diagnosis.results.answer import _beyond_law, answer
 from hjcamp.diagnosis.selection.claims import Claims
 from hjcamp.diagnosis.selection.scored import Follows
 from hjcamp.effects import load_effects
@@ -84,7 +84,7 @@ def test_what_can_be_told_beside_a_free_law_is_in_the_answer() -> None:
     analysis = SimpleNamespace(search=search, base=base)
 
     def asked_of(unknown: object, effects: tuple[str, ...]) -> float:
-        return _beside_law(analysis, SimpleNamespace(unknown=unknown, effects=effects))  # type: ignore[arg-type]
+        return _beyond_law(analysis, SimpleNamespace(unknown=unknown, effects=effects))  # type: ignore[arg-type]
 
     assert (asked_of(law, ()), asked_of(law, ("spring",)), asked_of(None, ())) == (0.4, 0.0, 0.0)
 
@@ -168,7 +168,9 @@ def test_where_nothing_is_seen_longer_windows_are_looked_at(
         tests = [SimpleNamespace(samples=200)]
         windows, search = SimpleNamespace(layout=SimpleNamespace(width=samples, memory=0)), SimpleNamespace(claims=0.05)
         measured = SimpleNamespace(tests=tests, repeated=False)
-        return SimpleNamespace(windows=windows, search=search, measured=measured, floor=SimpleNamespace(source="repetitions"))
+        return SimpleNamespace(
+            windows=windows, search=search, measured=measured, noise_floor=SimpleNamespace(source="repetitions")
+        )
 
     said, levels = {100: first, 200: longer}, []
 
@@ -340,10 +342,10 @@ def test_a_group_beside_a_free_law_is_told_how_to_go_on(monkeypatch: pytest.Monk
     ],
 )
 def test_that_much_of_the_error_is_left_beside_a_name_is_said(
-    augmented: float, floor: float, law_left: float, said: str
+    augmented: float, noise_floor: float, law_left: float, said: str
 ) -> None:
     rows = {
-        "level_v": {"baseline": 1.0, "augmented": augmented, "floor": floor, "unit": "V"},
+        "level_v": {"baseline": 1.0, "augmented": augmented, "floor": noise_floor, "unit": "V"},
         "flow_m3_per_s": {"baseline": 0.5, "augmented": 0.5, "floor": 0.4, "unit": "m^3/s"},
     }
     verdict: Any = SimpleNamespace(word="effect", law_left=law_left)
@@ -395,7 +397,7 @@ def test_a_free_law_speaks_for_a_name_that_beats_its_rival_alone(
         of_same_law=lambda name, model: [], error_ratio=lambda one, other: one.left_out / other.left_out,
         of_no_memory=lambda one, other: False, fitted=lambda candidate: scored("sensor_gain", 0.51, law), other_lags=lambda *_: [],
     )  # fmt: skip
-    monkeypatch.setattr(rivals, "alike_laws", lambda free, own: own == "band")
+    monkeypatch.setattr(rivals, "equivalent_laws", lambda free, own: own == "band")
     # the free law rules out all that has another name, but what stands beside it
     monkeypatch.setattr(rivals, "ruled_out", lambda analysis, one, held, before: held is best and law not in one.names)
     analysis: Any = SimpleNamespace(search=search, base=base)
@@ -411,8 +413,8 @@ def test_what_was_found_beside_a_name_is_marked() -> None:
         one["parameters"] = {"size": {"value": 1.0, "unit": "1", "ci95": [0.9, 1.1], "at_bound": False, "told": True}}
     words = Words(SimpleNamespace(), SimpleNamespace(), {"candidates": rows})  # type: ignore[arg-type]
     assert [row[0] for row in words.candidates()] == ["spring", "+ drag"]
-    assert words.beside_note == ["+: added after spring; compared with the model that includes it."]
-    assert Words(SimpleNamespace(), SimpleNamespace(), {"candidates": rows[:1]}).beside_note == []  # type: ignore[arg-type]
+    assert words.added_note == ["+: added after spring; compared with the model that includes it."]
+    assert Words(SimpleNamespace(), SimpleNamespace(), {"candidates": rows[:1]}).added_note == []  # type: ignore[arg-type]
 
 
 def test_linear_algebra_takes_one_thread(axis: Path) -> None:
@@ -432,15 +434,15 @@ def test_names_that_take_little_of_what_alike_moments_do_not_share_are_not_the_a
     model = SimpleNamespace(features=left * base.features)
     squares = np.diag((least * base.features[0]) ** 2)
     for source in ("near_replicates", "sensor", "repetitions"):
-        analysis = SimpleNamespace(windows=windows, floor=Floor(source, squares), base=base)
+        analysis = SimpleNamespace(windows=windows, noise_floor=NoiseFloor(source, squares), base=base)
         assert verdict._hardly_touched(analysis, model) == (hardly and source == "near_replicates")  # type: ignore[arg-type]
     # a sensor in which nothing is missing has no say
     squares = np.diag(([least, least, 0.95, 0.95] * base.features[0]) ** 2)
-    analysis = SimpleNamespace(windows=windows, floor=Floor("near_replicates", squares), base=base)
+    analysis = SimpleNamespace(windows=windows, noise_floor=NoiseFloor("near_replicates", squares), base=base)
     assert verdict._hardly_touched(analysis, model) == hardly  # type: ignore[arg-type]
     # one sensor in which most of it is gone is enough
     analysis = SimpleNamespace(
-        windows=windows, floor=Floor("near_replicates", np.diag((least * base.features[0]) ** 2)), base=base
+        windows=windows, noise_floor=NoiseFloor("near_replicates", np.diag((least * base.features[0]) ** 2)), base=base
     )
     model.features[:, 2:] *= 0.1
     assert not verdict._hardly_touched(analysis, model)  # type: ignore[arg-type]

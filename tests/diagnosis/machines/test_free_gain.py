@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from carriage import GAIN, measured_log
 
-from hjcamp.commands.any_plant.law_words import free_law
+from hjcamp.commands.any_plant.law_words import described_term
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.data.tests import measured_tests
@@ -56,4 +56,4 @@ def test_a_gain_has_a_driver_of_each_state_and_of_time_that_moves(axis: Path) ->
     ("driver", "said"), [("velocity", "gain of force that depends on velocity"), ("time", "that depends on time")]
 )
 def test_the_words_of_a_gain(driver: str, said: str) -> None:
-    assert said in free_law({"quantity": "gain", "port": "force", "driver": driver})
+    assert said in described_term({"quantity": "gain", "port": "force", "driver": driver})

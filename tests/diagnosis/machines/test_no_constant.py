@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from hjcamp.commands.any_plant.law_words import free_law
+from hjcamp.commands.any_plant.law_words import described_term
 from hjcamp.commands.shared.effect_from import begun_from
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.candidates.nonparametric_terms import values_of
@@ -109,7 +109,7 @@ def test_a_flow_that_warmth_makes_faster_is_outside_with_its_driver_and_its_curv
     json.dumps(content)
     row = content["unknowns"][0]
     assert (row["driver"], row["quantity"], row["port"], row["slots"]) == ("warmth", "value", "outflow", ["outflow"])
-    assert free_law(row) == "value of outflow that depends on warmth"
+    assert described_term(row) == "value of outflow that depends on warmth"
     assert row["left"] < 0.4 and content["p_value"] <= 0.05 and content["drivers"][0] == "warmth"
     # the base takes a mean value: the curve is about that, and its band holds the true one
     x, y, low, high = (np.array(row["curve"][name]) for name in ("x", "y", "low", "high"))

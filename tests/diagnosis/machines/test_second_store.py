@@ -11,7 +11,7 @@ import pytest
 
 from hjcamp.commands.any_plant.outside_words import no_memory_words
 from hjcamp.diagnosis.calibration.analysis import calibrated
-from hjcamp.diagnosis.candidates.equivalence import alike_laws, memory_end, times_remembered
+from hjcamp.diagnosis.candidates.equivalence import equivalent_laws, memory_end, times_remembered
 from hjcamp.diagnosis.candidates.nonparametric_laws import AT, ENDS, KNOT, gain_over
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.data.tests import measured_tests
@@ -100,8 +100,8 @@ def test_a_free_law_is_no_form_of_what_remembers(plate: Path) -> None:
     plant = find_plant("plate")
     library = load_effects(plant=plant)
     law = unknowns_of(plant, {"excess": (0.0, 50.0)})["unknown_loss_over_level"]
-    assert alike_laws(law, library["leakage"]) and alike_laws(law, library["overflow"])
-    assert not alike_laws(law, library["second_store"])
+    assert equivalent_laws(law, library["leakage"]) and equivalent_laws(law, library["overflow"])
+    assert not equivalent_laws(law, library["second_store"])
 
 
 @pytest.mark.parametrize(
@@ -187,5 +187,5 @@ def test_what_takes_a_share_without_being_shown_to_remember_is_not_nothing(p_val
         of_no_memory=lambda one, before: True,
         error_ratio=lambda one, before: 0.77,
     )
-    analysis: Any = SimpleNamespace(held=(), search=search, floor=SimpleNamespace(source="repetitions"))
+    analysis: Any = SimpleNamespace(held=(), search=search, noise_floor=SimpleNamespace(source="repetitions"))
     assert doubt_of_nothing(analysis, p_value).startswith("second_store explains 23 % of the error") == doubted

@@ -8,7 +8,7 @@ import pytest
 from slab import NOISE, course
 
 from hjcamp.commands.any_plant.comparison_words import whole_table
-from hjcamp.commands.any_plant.words import RUNS_AWAY, run_away_words
+from hjcamp.commands.any_plant.words import DIVERGES, divergence_words
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.residuals.free_run import whole_error
@@ -110,7 +110,7 @@ def test_what_grows_over_whole_tests_beside_what_was_found_is_said() -> None:
     def row(before: float, after: float) -> dict[str, object]:
         return {"unit": "deg", "baseline": {"whole_rms": before}, "augmented": {"whole_rms": after}}
 
-    [said] = run_away_words({"whole_tests": {"arm_angle": row(0.743, 2.42), "slip": row(1.0, 1.1)}, "runs_away": []})
+    [said] = divergence_words({"whole_tests": {"arm_angle": row(0.743, 2.42), "slip": row(1.0, 1.1)}, "runs_away": []})
     assert said.startswith("With what was found the error of whole tests grows: arm angle (0.743 -> 2.42 deg).")
 
 
@@ -120,7 +120,7 @@ def test_a_model_that_runs_away_beside_one_that_does_not_is_said_to(slab: Measur
     wild = replace(analysis.base, fitted=replace(fitted, candidate=Candidate({"loss": -5.0}, {})))
     found = whole_rows(analysis, wild)
     assert found == {"whole_tests": {}, "runs_away": ["augmented"]}
-    assert run_away_words(found)[0].startswith("The model with what was found diverges")
+    assert divergence_words(found)[0].startswith("The model with what was found diverges")
     assert whole_rows(analysis, analysis.base)["runs_away"] == []
     # where nothing is simulated whole nothing runs away
     plant = find_plant("slab")
@@ -132,4 +132,4 @@ def test_a_comparison_says_which_model_runs_away(slab: Measured) -> None:
     models = {"wild": Candidate({"loss": -5.0}, {}), "published": Candidate({"loss": 2.0}, {})}
     table = whole_table(compared(slab, {}, models))
     assert table is not None and [row[0] for row in table[1]] == ["wild", "published", "published, calibrated here"]
-    assert table[1][0][1:] == [RUNS_AWAY, ""] and table[1][1][1].endswith(" K")
+    assert table[1][0][1:] == [DIVERGES, ""] and table[1][1][1].endswith(" K")

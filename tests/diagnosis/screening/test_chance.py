@@ -39,7 +39,7 @@ def drawn(seed: int, hidden: float) -> tuple[Any, list[Probe], list[Any]]:
 
 def test_what_is_there_stands_out_of_all_that_chance_promises() -> None:
     found = chance_gains(*drawn(3, 0.5), seed=1)
-    for gains in (found.shifted, found.decoys, found.twins):
+    for gains in (found.shifted, found.decoys, found.replicates):
         assert len(gains) == ORDERS and gains.max() < 0.7 * found.gain
     assert p_value(found.gain, found.shifted) == 0.01
     # moved responses are the same responses: each decoy's gain is one that a moved residual has with some effect
@@ -60,5 +60,5 @@ def test_where_nothing_is_chance_promises_as_much_as_it_should() -> None:
 
 def test_the_same_seed_draws_the_same() -> None:
     one, again, other = (chance_gains(*drawn(5, 0.1), seed=seed) for seed in (2, 2, 3))
-    assert np.array_equal(one.twins, again.twins) and np.array_equal(one.decoys, again.decoys)
-    assert not np.array_equal(one.twins, other.twins) and np.array_equal(one.shifted, other.shifted)
+    assert np.array_equal(one.replicates, again.replicates) and np.array_equal(one.decoys, again.decoys)
+    assert not np.array_equal(one.replicates, other.replicates) and np.array_equal(one.shifted, other.shifted)

@@ -28,7 +28,7 @@ def test_a_name_that_leaves_less_than_a_free_law_has_to_be_shown_by_itself(
 ) -> None:
     before, lag, free = scored(3.7), scored(3.4, "sensor_lag"), scored(3.5, "force_over_time")
     chance = {"sensor_lag": p, "force_over_time": 0.001}
-    monkeypatch.setattr(forward, "alike_laws", lambda free, name: False)
+    monkeypatch.setattr(forward, "equivalent_laws", lambda free, name: False)
     search = Search.__new__(Search)
     search.library, search.unknowns = {"sensor_lag": None}, {"force_over_time": None}  # type: ignore[dict-item]
     search.matters = lambda model, before, level=CLAIMS: chance[model.names[0]] < level  # type: ignore[method-assign]

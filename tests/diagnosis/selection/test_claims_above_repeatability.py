@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hjcamp.diagnosis.data.repeatability import Floor, Repeatability, repeatability_of, unknown_repeatability
+from hjcamp.diagnosis.data.repeatability import NoiseFloor, Repeatability, repeatability_of, unknown_repeatability
 from hjcamp.diagnosis.levels import LEVEL, MATTERS
 from hjcamp.diagnosis.results.shares import left_above, left_of, share_of
 from hjcamp.diagnosis.selection.claims import Claims
@@ -44,8 +44,8 @@ def test_a_law_that_takes_what_repetitions_share_leaves_little_however_much_they
     assert np.sqrt(known.squares[0]) == pytest.approx(scatter, rel=0.15)
     search, whole = search_of(layout, known), features - common
     assert search.share_left(whole, features) < 1.0 - MATTERS
-    floor = Floor("repetitions", np.diag(np.full(SIZE, known.squares[0] + 1.0)))
-    analysis = SimpleNamespace(windows=search.windows, search=search, floor=floor)
+    noise_floor = NoiseFloor("repetitions", np.diag(np.full(SIZE, known.squares[0] + 1.0)))
+    analysis = SimpleNamespace(windows=search.windows, search=search, noise_floor=noise_floor)
     models = [SimpleNamespace(features=one) for one in (whole, features)]
     left = left_above(analysis, *models)  # type: ignore[arg-type]
     # a perfect law leaves nothing, whatever no model can take

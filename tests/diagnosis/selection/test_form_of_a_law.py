@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.diagnosis.candidates.equivalence import alike_laws, replaces
+from hjcamp.diagnosis.candidates.equivalence import equivalent_laws, replaces
 from hjcamp.diagnosis.candidates.nonparametric_laws import ENDS, KNOT, CommandOverDemand
 from hjcamp.diagnosis.candidates.nonparametric_terms import Unknown, unknowns_of
-from hjcamp.diagnosis.data.repeatability import _alike_by_no_means
+from hjcamp.diagnosis.data.repeatability import _near_replicates_uninformative
 from hjcamp.diagnosis.decision import free_laws
 from hjcamp.diagnosis.decision.free_laws import forms_of, further_law
 from hjcamp.diagnosis.selection.fits import Fits
@@ -34,15 +34,15 @@ def known(tanks: Path) -> tuple[dict, dict[str, Unknown]]:  # type: ignore[type-
 def test_which_free_laws_are_other_forms_of_a_name(known) -> None:  # type: ignore[no-untyped-def]
     library, unknowns = known
     exponent = library["flow_exponent_at_outflow"]
-    assert {name for name, one in unknowns.items() if alike_laws(one, exponent)} == {
+    assert {name for name, one in unknowns.items() if equivalent_laws(one, exponent)} == {
         "unknown_flow_over_head_at_outflow",
         "unknown_loss_over_level_at_lower",
     }
     # of the level, too, but of what the gauge makes of it
-    assert not alike_laws(unknowns["unknown_reading_over_true"], exponent)
-    assert alike_laws(unknowns["unknown_reading_over_true"], library["sensor_gain"])
+    assert not equivalent_laws(unknowns["unknown_reading_over_true"], exponent)
+    assert equivalent_laws(unknowns["unknown_reading_over_true"], library["sensor_gain"])
     # a constant is no form of what depends on something
-    assert not alike_laws(unknowns["unknown_reading_over_true"], library["sensor_offset"])
+    assert not equivalent_laws(unknowns["unknown_reading_over_true"], library["sensor_offset"])
 
 
 def test_dry_friction_is_a_form_of_any_law_of_that_friction(axis: Path) -> None:
@@ -52,9 +52,9 @@ def test_dry_friction_is_a_form_of_any_law_of_that_friction(axis: Path) -> None:
     library = load_effects(plant=plant)
     ranges = dict.fromkeys((*plant.states, *read_vocabulary(plant).signals, "time"), (-0.5, 8.0))
     free = unknowns_of(plant, ranges)
-    alike = {name for name, one in free.items() if alike_laws(one, library["dry_friction"])}
-    assert alike == {name for name, one in free.items() if one.quantity == "friction"} and len(alike) >= 2
-    assert not any(alike_laws(one, library["constant_force"]) for one in free.values())
+    similar = {name for name, one in free.items() if equivalent_laws(one, library["dry_friction"])}
+    assert similar == {name for name, one in free.items() if one.quantity == "friction"} and len(similar) >= 2
+    assert not any(equivalent_laws(one, library["constant_force"]) for one in free.values())
 
 
 @pytest.mark.parametrize(
@@ -122,9 +122,9 @@ def test_the_form_of_a_law_is_fitted_where_the_step_did_not(known) -> None:  # t
 def test_a_free_law_of_a_drive_bends_what_arrives_behind_a_lag(known) -> None:  # type: ignore[no-untyped-def]
     library, unknowns = known
     law = unknowns["unknown_command_over_demand"]
-    assert alike_laws(law, library["dead_band"]) and alike_laws(law, library["saturation"])
+    assert equivalent_laws(law, library["dead_band"]) and equivalent_laws(law, library["saturation"])
     # a gain that depends on a state is none of them
-    assert not any(alike_laws(one, library["dead_band"]) for name, one in unknowns.items() if one.quantity == "gain")
+    assert not any(equivalent_laws(one, library["dead_band"]) for name, one in unknowns.items() if one.quantity == "gain")
     knots = {name: 0.1 * k for k, name in enumerate(law.amplitudes)}
     [(slot, term)] = law.effect.terms.items()
     width = 1.0 / (len(knots) - 1)
@@ -233,9 +233,9 @@ def test_alike_moments_that_differ_as_much_as_any_tell_no_floor() -> None:
     features = chance.standard_normal((400, 6))
     whole = features.T @ features / 400
     # at the size of the noise they are the noise; far above it nobody can tell scatter from a finer structure
-    assert not _alike_by_no_means(0.9 * whole, features)
-    assert _alike_by_no_means(0.9 * 1e4 * whole, 100.0 * features)
-    assert not _alike_by_no_means(0.1 * 1e4 * whole, 100.0 * features)
+    assert not _near_replicates_uninformative(0.9 * whole, features)
+    assert _near_replicates_uninformative(0.9 * 1e4 * whole, 100.0 * features)
+    assert not _near_replicates_uninformative(0.1 * 1e4 * whole, 100.0 * features)
 
 
 def test_bristles_leave_nothing_of_how_a_rigid_contact_creeps(axis: Path) -> None:
@@ -264,7 +264,7 @@ def test_what_leaks_between_stores_may_follow_any_law_of_their_difference(two_pu
     one, beyond = leak.signal.split(" - ")
     assert {one, beyond} <= {*plant.states, *read_vocabulary(plant).signals}
     assert (leak.low, leak.high) == (pytest.approx(-2.0e5, rel=0.01), pytest.approx(2.0e5, rel=0.01))
-    assert alike_laws(leak, library["internal_leakage"]) and not alike_laws(leak, library["leakage"])
+    assert equivalent_laws(leak, library["internal_leakage"]) and not equivalent_laws(leak, library["leakage"])
     taken, given = leak.effect.terms.values()
     values = {**dict(zip(ENDS, (-2.0, 2.0), strict=True)), **{f"{KNOT}{k}": float(k) for k in range(6)}}
     for level, expected in ((2.0, 5.0), (-2.0, 0.0), (9.0, 5.0), (0.4, 3.0)):

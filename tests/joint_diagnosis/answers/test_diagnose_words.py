@@ -52,16 +52,16 @@ def told(**changed: Any) -> Told:
         undecided=(),
         rig_chance=changed.pop("rig_chance", 1 / 201),
     )
-    floors = {"arm_deg": 0.4, "pressure1_mpa": 0.009, "pressure2_mpa": 0.009}
-    judging: Any = SimpleNamespace(before=judged(14.0), after=judged(1.15), scale=Scale(floors, {}))
+    noise_floors = {"arm_deg": 0.4, "pressure1_mpa": 0.009, "pressure2_mpa": 0.009}
+    judging: Any = SimpleNamespace(before=judged(14.0), after=judged(1.15), scale=Scale(noise_floors, {}))
     effects = {"leakage": load_effects([])["leakage"]}
     return Told(found, CONTENT | changed, effects, "published", judged(15.5), judging, None)
 
 
 def judged(score: float) -> Judged:
     """Return errors of so many floors."""
-    floors = (("arm_deg", 0.4), ("pressure1_mpa", 0.009), ("pressure2_mpa", 0.009))
-    return Judged({name: ChannelError(score * floor, floor, 0.9) for name, floor in floors}, score)
+    noise_floors = (("arm_deg", 0.4), ("pressure1_mpa", 0.009), ("pressure2_mpa", 0.009))
+    return Judged({name: ChannelError(score * noise_floor, noise_floor, 0.9) for name, noise_floor in noise_floors}, score)
 
 
 @pytest.mark.parametrize(
@@ -133,11 +133,11 @@ def test_a_model_that_ran_away_has_no_column_and_nothing_repeated_no_floor() -> 
 @pytest.mark.parametrize(
     ("rms", "floor", "there"), [(0.0, 0.1, False), (0.004, 0.1, False), (0.1, 0.1, True), (0.0, None, False), (0.2, None, True)]
 )
-def test_a_first_reading_that_no_model_misses_has_no_row(rms: float, floor: float | None, there: bool) -> None:
+def test_a_first_reading_that_no_model_misses_has_no_row(rms: float, noise_floor: float | None, there: bool) -> None:
     errors = {name: ChannelError(1.0, 0.5, 0.9) for name in ("arm_deg", "pressure1_mpa")}
-    models = [("a", Judged(errors | {"first_reading": ChannelError(0.0, floor, None)}, 1.0))]
-    models.append(("b", Judged(errors | {"first_reading": ChannelError(rms, floor, None)}, 1.0)))
-    rows = error_table(models, Scale({"arm_deg": 0.5, "pressure1_mpa": 0.5, "first_reading": floor}, {}))[1]
+    models = [("a", Judged(errors | {"first_reading": ChannelError(0.0, noise_floor, None)}, 1.0))]
+    models.append(("b", Judged(errors | {"first_reading": ChannelError(rms, noise_floor, None)}, 1.0)))
+    rows = error_table(models, Scale({"arm_deg": 0.5, "pressure1_mpa": 0.5, "first_reading": noise_floor}, {}))[1]
     assert [row[0] for row in rows] == ["arm angle", "line 1", *["first reading"] * there, "arm and lines"]
 
 

@@ -66,11 +66,11 @@ def test_without_any_gain_in_the_twins_nothing_is_clear() -> None:
     assert is_clear(FAR + 0.1, np.ones(FIRST)) and not is_clear(FAR, np.ones(FIRST))
 
 
-def null_with(excess: float, generator: np.random.Generator, twins: int = TWINS, spread: float = 0.12) -> tuple[Null, Any]:
+def null_with(excess: float, generator: np.random.Generator, replicates: int = TWINS, spread: float = 0.12) -> tuple[Null, Any]:
     """Twins of 30 tests, and the mean square of a model that leaves ``excess`` times what the twins' law allows."""
     tests = 30
-    logarithms = spread * np.sqrt(tests) * generator.standard_normal((twins, tests, CHANNELS))
-    null = Null(np.zeros(twins), logarithms, np.ones((tests, CHANNELS), dtype=bool), np.zeros(CHANNELS))
+    logarithms = spread * np.sqrt(tests) * generator.standard_normal((replicates, tests, CHANNELS))
+    null = Null(np.zeros(replicates), logarithms, np.ones((tests, CHANNELS), dtype=bool), np.zeros(CHANNELS))
     limit = np.exp(1.645 * 0.5 * spread) * 1.15
     return null, np.full((tests, CHANNELS), (excess * limit) ** 2)
 
@@ -107,10 +107,10 @@ def test_one_channel_that_is_surely_above_is_enough_but_all_have_to_be_below() -
 def search(monkeypatch: pytest.MonkeyPatch) -> Any:
     """A search whose twins are their seeds, and whose gains are below 3 in the first twins and below 9 in all."""
     found: Any = _Search.__new__(_Search)
-    found.work, found.least_gain, found.lacking = SimpleNamespace(twins=TWINS, forward=2), lambda name: 10.0, ()
+    found.work, found.least_gain, found.lacking = SimpleNamespace(replicates=TWINS, forward=2), lambda name: 10.0, ()
     found.second_gain, found.nulls = 15.0, []
     found.effects, found.fitter, found.crew, found.seed = (), None, None, 4
-    found.twins_of, found.twins, found.scatter = None, [], None
+    found.twins_of, found.replicates, found.scatter = None, [], None
     found.report, found._match = lambda *given: None, lambda current: None
     found.drawn = []
 
@@ -118,9 +118,9 @@ def search(monkeypatch: pytest.MonkeyPatch) -> Any:
         found.drawn += seeds
         return seeds
 
-    def null_of(fitter: Any, screening: Any, twins: list[int]) -> Null:
-        gains = np.where(np.arange(len(twins)) < FIRST, 2.9, 8.9)
-        logarithms = np.random.default_rng(1).standard_normal((TWINS, 30, CHANNELS))[: len(twins)]
+    def null_of(fitter: Any, screening: Any, replicates: list[int]) -> Null:
+        gains = np.where(np.arange(len(replicates)) < FIRST, 2.9, 8.9)
+        logarithms = np.random.default_rng(1).standard_normal((TWINS, 30, CHANNELS))[: len(replicates)]
         return Null(gains, logarithms, np.ones((30, CHANNELS), dtype=bool), np.zeros(CHANNELS))
 
     def screen(fitter: Any, about: Any, effects: Any, names: Any) -> Any:
@@ -164,7 +164,7 @@ def test_a_gain_less_clear_than_its_promise_is_asked_of_all_from_the_same_seeds(
     assert after.p_value == whole.p_value(5.0) > CERTAIN > 1 / (1 + FIRST)
     assert search.drawn == [400_000 + index for index in range(TWINS)]
     step = diagnose.Step(screening, {"leakage": SimpleNamespace(loss=-30.0)}, {"leakage": 1.0}, 0.04, null.gains)
-    search.twins = search.twins[:FIRST]
+    search.replicates = search.replicates[:FIRST]
     assert search._certain(step, null) == (step, null)
 
 
@@ -180,6 +180,6 @@ def test_after_the_first_effect_few_twins_tell_what_is_far_from_the_limit(
 
 
 def test_few_twins_that_were_asked_for_are_no_other_than_all(search: Any) -> None:
-    search.work.twins = FIRST
+    search.work.replicates = FIRST
     _, null = search._look(model(leakage=0.1), 0, True)
     assert len(null.gains) == len(search.drawn) == FIRST

@@ -59,7 +59,7 @@ def test_the_bias_takes_up_what_the_first_readings_show(logs: list[TestLog]) -> 
 
     def error(candidate: Candidate) -> np.ndarray:
         seen = features.of(views.residuals(candidate))
-        judged.append(judged_error(features, features.mean_square(seen), features.floor(seen), [0, 1]))
+        judged.append(judged_error(features, features.mean_square(seen), features.noise_floor(seen), [0, 1]))
         return features.mean_square(seen)[:, HOME]
 
     judged: list[float] = []

@@ -47,8 +47,10 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     assert found["rests_on"]["tests"] == 24 and found["rests_on"]["conditions"] == 8 and found["rests_on"]["trajectory"] > 2
     over = [row["over_floor"] for row in found["worst"]]
     assert over == sorted(over, reverse=True) and len(over) == 8 and over[0] < 3.0
-    for channel, floor in found["floor"].items():
-        assert floor["source"] == "repetitions" and floor["low"] <= floor["value"] <= floor["high"], channel
+    for channel, noise_floor in found["floor"].items():
+        assert noise_floor["source"] == "repetitions" and noise_floor["low"] <= noise_floor["value"] <= noise_floor["high"], (
+            channel
+        )
     assert found["floor"]["pressure1_mpa"]["unit"] == "MPa"
     others = [row["posterior"] for row in found["candidates"][1:]]
     # creep that is slow enough is nearly a leak, and is behind it on tests that were left out

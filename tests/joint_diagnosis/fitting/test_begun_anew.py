@@ -32,7 +32,7 @@ def search(monkeypatch: pytest.MonkeyPatch) -> Any:
     found: Any = _Search.__new__(_Search)
     found.effects, found.features, found.fitter = EFFECTS, None, None
     found.least_gain = lambda name: 10.0
-    found.work = SimpleNamespace(steps=4, sweeps=6, forward=2, hasty=False, twins=24)
+    found.work = SimpleNamespace(steps=4, sweeps=6, forward=2, hasty=False, replicates=24)
     found.refitted = 500.0
     monkeypatch.setattr(diagnose, "unknowns_of", lambda *given: [])
     monkeypatch.setattr(
@@ -70,7 +70,7 @@ def test_what_gained_only_what_a_stuck_base_had_left_is_not_taken(search: Any, m
     search._look = look
     leak = SimpleNamespace(step=lambda screening, *given: step(screening.about, "leakage", fit(465.0, leakage={})))
     monkeypatch.setattr(diagnose, "StepFitter", lambda *given: leak)
-    features = SimpleNamespace(floor=lambda found: np.ones(7))
+    features = SimpleNamespace(noise_floor=lambda found: np.ones(7))
     search.features, search.evidence = features, SimpleNamespace(repeated=True, tests=[None] * 24)
     monkeypatch.setattr(diagnose, "rig_chance", lambda step, tests: 0.2 if tests == 24 else 1.0)
     monkeypatch.setattr(diagnose, "calibrate", lambda *given, **named: (stuck, None))

@@ -50,11 +50,11 @@ def test_what_lets_a_known_parameter_go_back_gains_by_that() -> None:
     response, noise = generator.standard_normal(200), 0.01 * generator.standard_normal((200, 1))
     same = gram(np.stack([response, response]))
     far, near = Known(np.array([100.0]), np.array([0.2])), Known(np.array([100.0]), np.array([0.0]))
-    alike = Group((1,), (True,), np.zeros((1, 1)))
-    (gain,), (found,) = all_gains(same, noise, far, [alike])
+    similar = Group((1,), (True,), np.zeros((1, 1)))
+    (gain,), (found,) = all_gains(same, noise, far, [similar])
     assert gain == pytest.approx(4.0, rel=0.05), "all of (0.2 / 0.1)^2"
     assert found == pytest.approx([-0.2, 0.2], abs=0.02)
-    (gain,), _ = all_gains(same, noise, near, [alike])
+    (gain,), _ = all_gains(same, noise, near, [similar])
     assert gain == pytest.approx(0.0, abs=0.1)
 
 

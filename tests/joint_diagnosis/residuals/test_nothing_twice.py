@@ -61,7 +61,7 @@ def test_the_scale_is_that_of_the_published_model_calibrated_anew(looked: Any) -
     found, _, judging, *_ = looked
     views = found.fitter.views
     alone = scale_of(Views(views.evidence, views.effects))
-    assert dict(alone.floors) == dict(judging.scale.floors)
+    assert dict(alone.noise_floors) == dict(judging.scale.noise_floors)
     assert np.array_equal(alone.features, judging.scale.features)
 
 

@@ -14,16 +14,16 @@ from hjcamp.plants.pump_joint.diagnosis.screening.responses import Responses
 SLIDING = CHANNELS.index("sliding")
 
 
-def floor_of(silent: bool) -> np.ndarray:
-    floor = np.full(len(CHANNELS), 2.0)
-    floor[SLIDING] = 0.0 if silent else 2.0
-    return floor
+def noise_floor_of(silent: bool) -> np.ndarray:
+    noise_floor = np.full(len(CHANNELS), 2.0)
+    noise_floor[SLIDING] = 0.0 if silent else 2.0
+    return noise_floor
 
 
 @pytest.mark.parametrize("silent", [True, False])
 def test_a_response_is_sized_where_something_is_said(silent: bool) -> None:
     responses = Responses.__new__(Responses)
-    responses.floor, responses.spoken = floor_of(silent), np.full(len(CHANNELS), 10)
+    responses.noise_floor, responses.spoken = noise_floor_of(silent), np.full(len(CHANNELS), 10)
     response = np.zeros((10, len(CHANNELS)))
     response[:, 0] = 6.0
     assert responses.size(response) == pytest.approx(3.0)
@@ -37,5 +37,5 @@ def test_a_silent_channel_is_no_error_of_zero(told: bool) -> None:
     mean_square = np.full((2, len(CHANNELS)), 16.0)
     mean_square[:, SLIDING] = 0.0
     assert HOME >= JUDGED
-    error = judged_error(features, mean_square, floor_of(True), [0, 1])  # type: ignore[arg-type]
+    error = judged_error(features, mean_square, noise_floor_of(True), [0, 1])  # type: ignore[arg-type]
     assert error == pytest.approx(2.0)

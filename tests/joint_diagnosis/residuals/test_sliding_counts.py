@@ -56,9 +56,9 @@ def test_a_test_that_hardly_slides_says_nothing_of_it() -> None:
 
 def test_a_twin_that_slides_at_other_times_leaves_as_much_as_it_leaves_where_both_slide() -> None:
     measured = features_of(slides(range(12), range(BLOCKS, 2 * BLOCKS)))
-    twin = features_of(slides(range(6, 18)))
+    copied = features_of(slides(range(6, 18)))
     residuals = np.full((2 * BLOCKS * BLOCK, len(CHANNELS)), 3.0)
-    shared = measured.shared(twin, twin.of(residuals))
+    shared = measured.shared(copied, copied.of(residuals))
     assert np.flatnonzero(shared[:, SLIDING]).tolist() == list(range(6, 12))
     assert measured.mean_square(shared)[:, SLIDING] == pytest.approx([9.0, 0.0])
     assert shared[:, 0] == pytest.approx(np.full(2 * BLOCKS, 3.0))

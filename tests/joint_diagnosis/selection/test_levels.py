@@ -53,8 +53,8 @@ def test_one_rig_in_forty_gains_more_than_is_asked_and_one_in_forty_leaves_more_
     tests = np.array([int(row["tests"]) for row in ROWS])
     gains = np.array([float(row["gain"]) for row in ROWS])
     asked = [least_gain(row["best"], count) for row, count in zip(ROWS, tests, strict=True)]
-    twins = np.array([float(row["twins_p"]) for row in ROWS])
-    assert np.mean((gains >= asked) & (twins < CERTAIN)) == pytest.approx(LEVEL, abs=0.005)
+    replicates = np.array([float(row["twins_p"]) for row in ROWS])
+    assert np.mean((gains >= asked) & (replicates < CERTAIN)) == pytest.approx(LEVEL, abs=0.005)
     over = np.array([max(float(row[name]) for name in CHANNELS) for row in ROWS])
     assert np.mean(over > margin()) == pytest.approx(LEVEL, abs=0.005)
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def add(data: Data, names: Sequence[str], name: str, model: str = "published", report: Report = silent) -> Added:
-    """Fit the effects ``names`` beside the base of ``model`` and save the new model as ``conf/model/NAME.yaml``."""
+    """Fit the effects ``names`` in addition to the base of ``model`` and save the new model as ``conf/model/NAME.yaml``."""
     from hjcamp.configuration.saved_model import check_new_name, write_model
     from hjcamp.effects import load_effects
     from hjcamp.plants.pump_joint.diagnosis.add import add as fit_added

@@ -1,4 +1,4 @@
-"""Models beside measured tests of the joint."""
+"""Models compared with measured tests of the joint."""
 
 from __future__ import annotations
 

@@ -90,14 +90,16 @@ def diagnose_joint(
 
 
 def _unknowns(found: Diagnosis, content: Mapping[str, Any]) -> tuple[Unexplained | None, list[dict[str, Any]]]:
-    """Return what is left over its likeliest driver, and a row for each driver, the first with the curve."""
+    """Return the residual over its likeliest driver, and a row for each driver, the first with the curve."""
     from hjcamp.plants.pump_joint.diagnosis.localisation.drivers import rank_drivers
     from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import CHANNELS, unexplained
 
     if not content["drivers"]:
         return None, []
     fit = found.final if looks_at_final(found, content["error"]["augmented"]) else found.baseline
-    told = {driver: (channel, share) for driver, channel, share in reversed(rank_drivers(found.features, fit, found.floor))}
+    told = {
+        driver: (channel, share) for driver, channel, share in reversed(rank_drivers(found.features, fit, found.noise_floor))
+    }
     first, *others = content["drivers"]
     curve = unexplained(found.features, fit, first, *told[first])
     rows = [

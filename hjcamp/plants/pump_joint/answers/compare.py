@@ -105,12 +105,12 @@ def _table(console: Console, one: Compared) -> None:
 
 
 def _bars(console: Console, models: list[Compared]) -> None:
-    from hjcamp.plants.pump_joint.answers.error_words import OVER_FLOOR, OVER_SPREAD
+    from hjcamp.plants.pump_joint.answers.error_words import OVER_NOISE_FLOOR, OVER_SPREAD
 
     longest = max(one.score for one in models)
     width = max(len(one.replay.name) for one in models)
     repeated = models[0].replay.evidence.repeated
-    console.print(OVER_FLOOR if repeated else OVER_SPREAD)
+    console.print(OVER_NOISE_FLOOR if repeated else OVER_SPREAD)
     for one in models:
         bar = "█" * max(1, round(BAR * one.score / longest))
         console.print(f"  {one.replay.name:<{width}}  {bar} {one.score:.2f}", markup=False)

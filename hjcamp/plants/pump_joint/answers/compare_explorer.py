@@ -18,11 +18,11 @@ def exploration_of(found: Comparison) -> Exploration:
     from hjcamp.report.pages.exploration import Exploration
 
     replays = _replays(found)
-    floors = {name: error.floor for name, error in replays[0].errors.items() if error}
+    noise_floors = {name: error.noise_floor for name, error in replays[0].errors.items() if error}
     names = [one.name for one in (*replays, *found.lesser)]
     tests = replays[0].evidence.tests
     word = observed(test.log for test in tests)
-    shown = Exploration(len(tests), names, floors, [one.name for one in found.lesser], word)
+    shown = Exploration(len(tests), names, noise_floors, [one.name for one in found.lesser], word)
     for test in tests_of(found):
         shown.add(test.name, test.condition, test.time, test.measured, test.models)
     return shown

@@ -25,12 +25,12 @@ def error_cells(one: Compared, name: str) -> list[str]:
     error = one.errors[name]
     if error is None:
         return [label(name), "not logged", "", "", ""]
-    floor = "none" if error.floor is None else in_unit(error.floor, name)
+    noise_floor = "none" if error.noise_floor is None else in_unit(error.noise_floor, name)
     over = "" if error.ratio is None else f"{error.ratio:.1f}"
     return [
         label(name),
         in_unit(error.rms, name),
-        floor,
+        noise_floor,
         over,
         "" if error.r2 is None else f"{error.r2:.3f}",
     ]
@@ -70,7 +70,7 @@ def write_pictures(found: Comparison, folder: Path, following: Sequence[str] = (
     from hjcamp.report.pages.explorer import explorer_html
     from hjcamp.report.pictures.drawing import draw_errors
     from hjcamp.report.wording.names import readable
-    from hjcamp.report.wording.repeatability import NO_FLOOR
+    from hjcamp.report.wording.repeatability import NO_NOISE_FLOOR
     from hjcamp.storage import whole_file
 
     models, last, calibrated = found.models, found.models[-1], found.calibrated
@@ -84,7 +84,7 @@ def write_pictures(found: Comparison, folder: Path, following: Sequence[str] = (
         "errors": draw_errors(scores, over_words(repeated), repeated),
         "overlay": draw_overlay(overlay),
         "where": maps[last.replay.name][1],
-        "horizon": draw_horizon(curves, last.horizon.floor),
+        "horizon": draw_horizon(curves, last.horizon.noise_floor),
     }
     if calibrated:
         pictures["where_calibrated"] = maps[calibrated.replay.name][1]
@@ -98,7 +98,7 @@ def write_pictures(found: Comparison, folder: Path, following: Sequence[str] = (
         page.note(
             "The noise floor is what repetitions of one test do not share: no model goes below it. 1.0 is perfect."
             if repeated
-            else NO_FLOOR
+            else NO_NOISE_FLOOR
         ),
         page.picture("Error of each model", pictures["errors"]),
         next_steps(following),

@@ -54,12 +54,12 @@ def _say_what_is_lacking(console: Console, evidence: Evidence) -> None:
     """Say before anything is computed what these tests lack: for a verdict, and for a floor."""
     from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.plants.pump_joint.diagnosis.selection.verdict import lacks
-    from hjcamp.report.wording.repeatability import NO_FLOOR
+    from hjcamp.report.wording.repeatability import NO_NOISE_FLOOR
 
     lacking = [f"{one[:1].upper()}{one[1:]}." for one in lacks(evidence)]
     if lacking:
         lacking.insert(0, "These tests cannot tell which effect is missing, whatever is computed:")
-    lines = [*lacking, *([] if evidence.repeated else [NO_FLOOR])]
+    lines = [*lacking, *([] if evidence.repeated else [NO_NOISE_FLOOR])]
     if lines:
         print_wrapped(console, lines, 8, "lacking")
 
@@ -104,12 +104,12 @@ def _print(console: Console, told: Told) -> None:
         if still:
             console.print(f"  {still} more moved by less than 1 %", style="dim", markup=False)
     weighed = len({name for step in found.steps for name in step.fits})
-    twins = (
+    replicates = (
         f"{counted(len(found.null.gains), 'null replicate')} simulated with nothing missing"
         if not found.lacking
         else "no null replicates: no question for them"
     )
-    count = f"screened {counted(len(told.library), 'effect')}, weighed {weighed}, {twins}"
+    count = f"screened {counted(len(told.library), 'effect')}, weighed {weighed}, {replicates}"
     console.print(f"{count}   {content['seconds']:.0f} s", markup=False)
     if found.exploratory:
         console.print("exploratory: no test was repeated, so the scatter of the rig is assumed", style="yellow")

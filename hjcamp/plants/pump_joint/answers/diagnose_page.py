@@ -57,7 +57,7 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path, 
     from hjcamp.plants.pump_joint.answers.diagnose_words import CALIBRATED, CANDIDATES, LEFT
     from hjcamp.plants.pump_joint.answers.error_words import error_table, over
     from hjcamp.report.pages import discrepancy_page as page
-    from hjcamp.report.wording.repeatability import NO_FLOOR, worst_table
+    from hjcamp.report.wording.repeatability import NO_NOISE_FLOOR, worst_table
     from hjcamp.report.wording.units import label
     from hjcamp.report.wording.units import told as told_value
 
@@ -72,7 +72,7 @@ def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path, 
         equations_of(told.content["effects"], told.library),
         page.picture("Error before and after", pictures["errors"]),
         page.table_of(*error_table(told.errors(), scale)),
-        page.note("On tests that were not used for the fit." + ("" if scale.repeated else f" {NO_FLOOR}")),
+        page.note("On tests that were not used for the fit." + ("" if scale.repeated else f" {NO_NOISE_FLOOR}")),
     ]
     if told.unexplained is not None:
         parts += [page.heading("What no effect explains"), page.picture(answer[1], pictures["unexplained"])]

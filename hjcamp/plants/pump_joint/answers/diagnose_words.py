@@ -74,15 +74,16 @@ class Told(Diagnosed):
         if not self.found.steps:
             return "No effect gained anything."
         step, p_value = self.found.steps[0], self.content["p_value"]
-        twins, rigs = len(step.null_gains), len(best_gains())
-        number = round(step.p_value * (twins + 1)) - 1
+        replicates, rigs = len(step.null_gains), len(best_gains())
+        number = round(step.p_value * (replicates + 1)) - 1
         said = f"Adding {step.best} raises the log-likelihood by {plain(step.gain)}"
-        most = plain(float(max(step.null_gains)), 2) if twins else "0"
+        most = plain(float(max(step.null_gains)), 2) if replicates else "0"
         said += (
-            f"; the most in {twins} simulations with nothing missing is {most} ({p_words(step.p_value, twins)}, the least that "
-            f"{twins} can show)."
+            f"; the most in {replicates} simulations with nothing missing is {most} ({p_words(step.p_value, replicates)}, "
+            "the least that "
+            f"{replicates} can show)."
             if number <= 0
-            else f", and {number} of {twins} simulations with nothing missing by as much ({p_words(step.p_value, twins)})."
+            else f", and {number} of {replicates} simulations with nothing missing by as much ({p_words(step.p_value, replicates)})."
         )
         number = round(self.found.rig_chance * (rigs + 1)) - 1
         said += (

@@ -21,7 +21,7 @@ CHANNELS = {
 }
 FIRST, LEAST_DEG = "first_reading", 1e-6
 MEAN = "arm and lines"
-OVER_FLOOR = "error / noise floor, geometric mean of arm and lines"
+OVER_NOISE_FLOOR = "error / noise floor, geometric mean of arm and lines"
 OVER_SPREAD = "error / spread of the measurement, geometric mean of arm and lines"
 
 
@@ -40,7 +40,7 @@ def over(scale: Scale) -> str:
 
 def over_words(repeated: bool) -> str:
     """Return what scores are over: the floor, or the spread of what was measured where nothing was repeated."""
-    return OVER_FLOOR if repeated else OVER_SPREAD
+    return OVER_NOISE_FLOOR if repeated else OVER_SPREAD
 
 
 def error_table(models: Sequence[tuple[str, Judged]], scale: Scale) -> tuple[list[str], list[list[str]]]:
@@ -49,12 +49,12 @@ def error_table(models: Sequence[tuple[str, Judged]], scale: Scale) -> tuple[lis
 
     shown = [(name, one) for name, one in models if math.isfinite(one.score)]
     rows = []
-    for channel, floor in scale.floors.items():
+    for channel, noise_floor in scale.noise_floors.items():
         cells = [_cell(one.errors[channel], channel) for _, one in shown]
         # a first reading that no model misses says nothing
         said = channel != FIRST or any(error and not _is_nothing(error) for error in (one.errors[channel] for _, one in shown))
         if any(cells) and said:
-            rows.append([label(channel), *cells, "none" if floor is None else in_unit(floor, channel)])
+            rows.append([label(channel), *cells, "none" if noise_floor is None else in_unit(noise_floor, channel)])
     times = " x" if scale.repeated else ""
     rows.append([MEAN, *(f"{one.score:.2f}{times}" for _, one in shown), f"1.00{times}" if scale.repeated else ""])
     return ["error", *(name for name, _ in shown), "noise floor"], rows

@@ -57,13 +57,13 @@ def missing_of(found: Diagnosis, content: dict[str, Any], library: Mapping[str, 
     from hjcamp.plants.pump_joint.diagnosis.localisation.unexplained import IN_SI, SI, driver_of, unexplained
     from hjcamp.report.pictures.evidence import Missing
 
-    features, floor = found.features, found.floor
+    features, noise_floor = found.features, found.noise_floor
     lost = found.baseline
     if added:
         without = found.fitter.look(found.final.candidate.without(added))
         lost = replace(found.final, features=without.features - found.final.features)
     barred = {"sliding": TAUTOLOGIES["sliding"]} if added else TAUTOLOGIES
-    driver, channel, _ = rank_drivers(features, lost, floor, barred)[0]
+    driver, channel, _ = rank_drivers(features, lost, noise_floor, barred)[0]
     if added:
         # the lines' residuals are pressures, of which a flow is the rate
         driver = driver_of(features, lost, channel, barred.get(channel, ()))

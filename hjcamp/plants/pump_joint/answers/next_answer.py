@@ -184,15 +184,15 @@ def _sigma(pairs: Pairs, rivals: list[Rival]) -> str:
 def _outlook(proposal: Proposal) -> list[str]:
     rivals = proposal.rivals
     apart = [pair for pair, value in proposal.together.items() if value > APART]
-    alike = [pair for pair in proposal.together if pair not in apart]
+    similar = [pair for pair in proposal.together if pair not in apart]
     if many(rivals):
-        unseen = ", ".join(rivals[max(pair)].name for pair in alike)
+        unseen = ", ".join(rivals[max(pair)].name for pair in similar)
         lines = [f"together they would show {len(apart)} of {len(proposal.together)} effects at their usual size"]
         return lines + ([f"not shown by these   {unseen}"] if unseen else [])
     lines = [
         f"together   {rivals[a].name} / {rivals[b].name} {value:.1f} sigma"
         for (a, b), value in list(proposal.together.items())[:ROWS]
     ]
-    if alike:
+    if similar:
         lines.append("what stays below 3 sigma is the same thing to this rig, or needs other tests than those of the menu")
     return lines

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, Report
-from hjcamp.plants.pump_joint.answers.error_words import OVER_FLOOR as OVER_FLOOR
+from hjcamp.plants.pump_joint.answers.error_words import OVER_NOISE_FLOOR as OVER_NOISE_FLOOR
 
 if TYPE_CHECKING:
     from hjcamp.analyses.adding import Added

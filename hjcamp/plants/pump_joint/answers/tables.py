@@ -95,9 +95,9 @@ def _print(console: Console, content: Mapping[str, Any], folder: Path) -> None:
     if not content["lacking"]:
         print_errors(console, content)
         for number, step in enumerate(content["steps"], start=1):
-            twins, chance = len(step["gains_of_twins"]), f"{step['p_value']:.3g}"
+            replicates, chance = len(step["gains_of_twins"]), f"{step['p_value']:.3g}"
             console.print(
-                f"step {number}  {best_of(step)} gains {step['gain']:.1f}; chance {chance}, {twins} null replicates",
+                f"step {number}  {best_of(step)} gains {step['gain']:.1f}; chance {chance}, {replicates} null replicates",
                 markup=False,
             )
     console.print(f"page    {folder / 'page.md'}", markup=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-from hjcamp.report.wording.repeatability import NEAR, NO_FLOOR
+from hjcamp.report.wording.repeatability import NEAR, NO_NOISE_FLOOR
 
 TELLING = 0.05
 UNEVEN = 1.5
@@ -72,7 +72,7 @@ def where_sentences(places: Sequence[Place], over: float | None = None) -> list[
     if not places and over is not None:
         return [f"The error is {over:.1f} x the noise floor: nothing stands out from what the repetitions differ by."]
     if not places:
-        return [f"{NO_FLOOR} Where the error is cannot be distinguished from chance."]
+        return [f"{NO_NOISE_FLOOR} Where the error is cannot be distinguished from chance."]
     whole = [place for place in places if place.variable == "all"]
     if over is not None and over <= NEAR:
         shares = ", ".join(f"{100 * place.share:.0f} % {place.subsystem}" for place in whole)

@@ -87,7 +87,7 @@ def pieces_of(line: Line) -> list[Piece]:
 def valid_range(pieces: Sequence[Piece]) -> tuple[float, float] | None:
     """Return the widest range (MPa gauge) in which the local dp/dV is the usual one within 5 %; None without one.
 
-    The usual one is the median over all parts; twice the standard error of a range's parts is allowed beside.
+    The usual one is the median over all parts; twice the standard error of a range's parts is allowed in addition.
     """
     pressure, slope = np.array([one.pressure for one in pieces]), np.array([one.slope for one in pieces])
     usual = float(np.median(slope))

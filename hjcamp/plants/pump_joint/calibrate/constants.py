@@ -22,7 +22,7 @@ NEEDED = ("pump", "amplifier", "tubing", "joint", "friction", "rig")
 
 @dataclass(frozen=True)
 class Constants:
-    """Known geometry of a rig in SI units, and the published values to stand beside what is identified."""
+    """Known geometry of a rig in SI units, and the published values to stand next to what is identified."""
 
     pump: str
     amplifier: str

@@ -41,7 +41,7 @@ class Estimate:
 
     @property
     def texts(self) -> tuple[str, tuple[str, ...]]:
-        """The value and the ends of its interval in the unit for people, rounded alike; no ends where there is no interval."""
+        """The value and the ends of its interval in the unit for people, rounded equally; no ends where there is no interval."""
         value = self.value * self.shown_scale
         if self.interval is None:
             return f"{value:.4g}", ()

@@ -160,7 +160,7 @@ def stiffness_of(steps: Sequence[Step]) -> Stiffness | None:
 
 
 def _compliances(config: Mapping[str, Any], stiffness: float) -> dict[str, float]:
-    """Return the compliances of a line: water and wall from its size, air too or, where it is not stated, what is left."""
+    """Return the compliances of a line: water and wall from its size, air too or, where it is not stated, the rest."""
     tubing = config["tubing"]
     inner, outer = float(tubing["inner_diameter_mm"]) * 1e-3, float(tubing["outer_diameter_mm"]) * 1e-3
     wall = tubing_modulus(inner, outer, float(tubing["youngs_modulus_mpa"]) * 1e6, float(tubing["poisson_ratio"]))

@@ -48,8 +48,8 @@ def find_strokes(pump: Array) -> list[Stroke]:
     found = []
     for start, stop in runs:
         middle = float(np.median(speed[start:stop]))
-        alike = np.abs(speed[start:stop] - middle) <= CHANGE * abs(middle)
-        inner = np.flatnonzero(alike)
+        similar = np.abs(speed[start:stop] - middle) <= CHANGE * abs(middle)
+        inner = np.flatnonzero(similar)
         if len(inner) >= max(SHORTEST, 0.8 * (stop - start)):
             stroke = Stroke(int(start + inner[0]), int(start + inner[-1] + 1), middle)
             if _share_of_way(stroke, pump, speed) >= SHARE:

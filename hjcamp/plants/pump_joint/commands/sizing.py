@@ -1,4 +1,4 @@
-"""The formulas of chapter 3 beside the print; whether this joint can do a task, and which limit stops it; figures."""
+"""The formulas of chapter 3 next to the print; whether this joint can do a task, and which limit stops it; figures."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def sizing(
     json_file: AnswerFile = None,
     output: Annotated[Path, typer.Option(help="With figures: the folder for them.")] = Path("sizing"),
 ) -> None:
-    """The formulas of chapter 3 beside the print; whether this joint can do a task, and which limit stops it; figures."""
+    """The formulas of chapter 3 next to the print; whether this joint can do a task, and which limit stops it; figures."""
     from hjcamp.commands.shared.session import check_answer_file, write_answer
 
     match words or []:
@@ -59,7 +59,7 @@ def sizing(
 
 
 def show_formulas() -> dict[str, Any]:
-    """Print every quantity beside what the thesis prints; returns the answer for programs."""
+    """Print every quantity next to what the thesis prints; returns the answer for programs."""
     from rich.table import Table
 
     from hjcamp.campaign.execution.console import make_console

@@ -128,9 +128,9 @@ def answer(addition: Addition, name: str, names: Sequence[str], path: str) -> di
         "channels": {
             channel: {
                 **{name: error.rms if (error := one.errors[channel]) else None for name, one in told.items()},
-                "floor": floor,
+                "floor": noise_floor,
             }
-            for channel, floor in addition.scale.floors.items()
+            for channel, noise_floor in addition.scale.noise_floors.items()
         },
         "tests": {"fitted": len(addition.fold.train), "held_out": len(addition.fold.held_out)},
         "parameters": addition.effects,

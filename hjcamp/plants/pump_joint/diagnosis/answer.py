@@ -11,10 +11,10 @@ from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.answer_rows import (
     confidence_set,
-    floor_rows,
     functional,
     law_left,
     law_left_of,
+    noise_floor_rows,
     rests_on,
     worst,
 )
@@ -119,7 +119,7 @@ def answer(
         "minimum_detectable": _detectable(found),
         "law_left": law_left_of(found),
         "confidence_set": confidence_set(found),
-        "floor": floor_rows(judged.scale, judged.before),
+        "floor": noise_floor_rows(judged.scale, judged.before),
         "worst": worst(found.features.evidence, judged.scale, judged.after),
         "rests_on": rests_on(found.features.evidence),
         "seconds": seconds,
@@ -149,7 +149,7 @@ def _calibration(best: Local) -> dict[str, dict[str, Any]]:
 def _candidates(judged: Judging, shown: int) -> list[dict[str, Any]]:
     """Return the effects named first, then the rivals of the last step by weight; each fitted effect once."""
     found = judged.found
-    baseline = judged.base.heldout_error(judged.parts, found.floor)
+    baseline = judged.base.heldout_error(judged.parts, found.noise_floor)
     rows: dict[str, tuple[Step, float, int]] = {}
     for step in found.steps:
         taken = step in found.taken
@@ -167,7 +167,7 @@ def _candidate(judged: Judging, name: str, step: Step | None, fit: Fit, posterio
     """Return the row of one effect: as it stands in the final model where it is in that, else as fitted beside others."""
     best = judged.best
     own = best if fit is best.fit else judged.local(fit)
-    error = own.heldout_error(judged.parts, judged.found.floor)
+    error = own.heldout_error(judged.parts, judged.found.noise_floor)
     final = best if name in best.fit.candidate.effects else own
     parameters = parameter_rows(final.intervals(), final.unknowns, name)
     ratio = _finite(error / baseline) if baseline > 0 else None
@@ -189,7 +189,7 @@ def asked_candidates(judged: Judging, names: Sequence[str], present: Sequence[st
     Their weight is that beside the effects of the first step. None for an effect that the calibrated model has already.
     """
     found = judged.found
-    baseline = judged.base.heldout_error(judged.parts, found.floor)
+    baseline = judged.base.heldout_error(judged.parts, found.noise_floor)
     screening = found.screenings[0] if found.screenings else None
     rows = []
     for name in names:

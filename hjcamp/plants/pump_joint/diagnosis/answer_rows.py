@@ -66,7 +66,7 @@ def functional(found: Diagnosis, name: str, fit: Fit, parameters: Mapping[str, M
     squares = found.features.mean_square(np.nan_to_num(change))
     seen = np.array([np.mean(column[column > 0.0]) if np.any(column > 0.0) else 0.0 for column in squares.T])
     rms = np.sqrt(seen)
-    most = int(np.argmax(np.divide(rms, found.floor, out=np.zeros_like(rms), where=found.floor > 0.0)))
+    most = int(np.argmax(np.divide(rms, found.noise_floor, out=np.zeros_like(rms), where=found.noise_floor > 0.0)))
     said, unit = RESIDUALS[CHANNELS[most]]
     value = float(rms[most])
     return {"name": f"change of {said}", "value": value, "unit": unit, "ci95": in_proportion(effect, parameters, value)}
@@ -83,11 +83,11 @@ def confidence_set(found: Diagnosis) -> list[list[str]]:
     return [[*certain, *beside, name] for name in found.undecided] or [certain]
 
 
-def floor_rows(scale: Scale, before: Judged) -> dict[str, dict[str, Any]]:
+def noise_floor_rows(scale: Scale, before: Judged) -> dict[str, dict[str, Any]]:
     """Return the floor of arm and lines in the log's units, between the sensor's own and what the calibrated model leaves."""
     rows = {}
     for name in HEADLINE:
-        value, error = scale.floors.get(name), before.errors.get(name)
+        value, error = scale.noise_floors.get(name), before.errors.get(name)
         high = error.rms if error is not None else scale.spreads[name]
         rows[name] = {
             "source": "repetitions" if value is not None else "unknown",
@@ -108,11 +108,11 @@ def worst(evidence: Evidence, scale: Scale, after: Judged) -> list[dict[str, Any
     for condition in dict.fromkeys(evidence.tests[place].condition for place in after.places):
         here = [k for k, place in enumerate(after.places) if evidence.tests[place].condition == condition]
         for name in HEADLINE:
-            floor = scale.floors.get(name) or max(scale.spreads[name], 1e-12)
+            noise_floor = scale.noise_floors.get(name) or max(scale.spreads[name], 1e-12)
             left = float(np.sqrt(np.mean(np.square([after.of_tests[name][k] for k in here]))))
             shared = after.shared[name][condition]
             rows.append({
-                "condition": condition, "channel": name, "over_floor": left / floor,
+                "condition": condition, "channel": name, "over_floor": left / noise_floor,
                 "shared": shared if np.isfinite(shared) else None, "unit": unit_of_field(name, "plant pump_joint").shown,
             })  # fmt: skip
     return sorted(rows, key=lambda row: -row["over_floor"])[:WORST]

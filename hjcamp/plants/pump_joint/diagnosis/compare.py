@@ -33,12 +33,12 @@ class Horizon:
 
     time: Array
     rms: Array
-    floor: Array | None
+    noise_floor: Array | None
 
     @property
     def born(self) -> tuple[float, float] | None:
         """When a tenth and nine tenths of the window's excess are there (s), None without any excess."""
-        excess = self.rms**2 - (0.0 if self.floor is None else self.floor**2)
+        excess = self.rms**2 - (0.0 if self.noise_floor is None else self.noise_floor**2)
         excess = np.maximum.accumulate(np.maximum(excess, 0.0))
         if not len(excess) or excess[-1] <= 0:
             return None
@@ -103,7 +103,7 @@ def compare(
     for number, (name, candidate) in enumerate(asked.items()):
         report(f"replaying {counted(len(evidence.tests), 'test')}: {name}", 0.3 + 0.2 * number / len(asked))
         try:
-            replays[name] = replay(views, name, candidate, scale.floors)
+            replays[name] = replay(views, name, candidate, scale.noise_floors)
         except HjcampError:
             if name != base:
                 raise
@@ -125,7 +125,7 @@ def without_one_effect(views: Views, models: Mapping[str, Candidate], scale: Sca
     for name, candidate in models.items():
         for effect in candidate.effects:
             with suppress(HjcampError):
-                found.append(replay(views, f"{name} without {effect}", candidate.without([effect]), scale.floors))
+                found.append(replay(views, f"{name} without {effect}", candidate.without([effect]), scale.noise_floors))
     return found
 
 
@@ -142,7 +142,7 @@ def answer(compared: Sequence[Compared], tests: int) -> dict[str, Any]:
     models = []
     for one in compared:
         error = {
-            name: None if found is None else {"rms": found.rms, "floor": found.floor, "r2": found.r2}
+            name: None if found is None else {"rms": found.rms, "floor": found.noise_floor, "r2": found.r2}
             for name, found in one.errors.items()
         }
         models.append({"name": one.replay.name, "tests": tests, "error": error, "score": one.score})

@@ -64,7 +64,7 @@ class Diagnosis:
     p_value: float
     baseline: Fit
     final: Fit
-    floor: Array
+    noise_floor: Array
     null: Null
     steps: list[Step]
     taken: list[Step]
@@ -117,7 +117,7 @@ class _Search:
         self.steps: list[Step] = []
         self.nulls: list[Null] = []
         self.twins_of: Fit | None = None
-        self.twins: list[Array] = []
+        self.replicates: list[Array] = []
         self.least_gain = partial(least_gain, tests=len(evidence.tests))
         self.second_gain = second_gain(len(evidence.tests))
         self.lacking: tuple[str, ...] = ()
@@ -158,17 +158,17 @@ class _Search:
             taken.append(step)
             last = number + 1 == self.work.forward
             screening, null = self._look(current, number + 1, not last and not self.work.hasty, taken)
-        if not taken and len(null.gains) < self.work.twins:
-            null = first_null = self._null(screening, self.work.twins)
+        if not taken and len(null.gains) < self.work.replicates:
+            null = first_null = self._null(screening, self.work.replicates)
         kept, taken = self._backward(current, taken, null)
         if kept is not current:
             current = kept
             screening, null = self._look(current, self.work.forward + 1, False)
         self.report("weighing the answer", 0.95)
-        floor = np.minimum(self.features.floor(current.features), self.features.floor(base.features))
+        noise_floor = np.minimum(self.features.noise_floor(current.features), self.features.noise_floor(base.features))
         found = judge(self.views, self.features, null, base, current, self.steps, taken, self.effects)
         # What no effect explains is looked at without those that did not.
-        ranked = top_drivers(rank_drivers(self.features, base, floor))
+        ranked = top_drivers(rank_drivers(self.features, base, noise_floor))
         drivers = [found.driver, *(one for one in ranked if one != found.driver)] if found.driver else ranked
         rigs = rig_chance(self.steps[0], len(self.evidence.tests)) if self.steps else 1.0
         least = 0.0 if self.lacking else first_null.needed()
@@ -180,7 +180,7 @@ class _Search:
             max(self.steps[0].p_value, rigs) if self.steps else 1.0,
             base,
             current,
-            floor,
+            noise_floor,
             null,
             self.steps,
             taken,
@@ -208,10 +208,10 @@ class _Search:
             self.report(f"screening {counted(len(self.effects), 'effect')}", share)
         screening = screen(self.fitter, current, self.effects, None if whole else ())
         if current is not self.twins_of:
-            self.twins_of, self.twins, self.number = current, [], number
+            self.twins_of, self.replicates, self.number = current, [], number
             self._match(current)
-        null = self._few(screening, taken) if self.work.twins > FIRST and not self.lacking else None
-        return screening, null or self._null(screening, self.work.twins)
+        null = self._few(screening, taken) if self.work.replicates > FIRST and not self.lacking else None
+        return screening, null or self._null(screening, self.work.replicates)
 
     def _few(self, screening: Screening, taken: Sequence[Step]) -> Null | None:
         """Return the first twins of a model where all that is asked of them is clear from these.
@@ -233,18 +233,18 @@ class _Search:
 
     def _null(self, screening: Screening, count: int) -> Null:
         """Return what a screening finds in the first ``count`` twins of its model, or in more where there are more."""
-        wanted = range(len(self.twins), min(count, self.work.twins))
+        wanted = range(len(self.replicates), min(count, self.work.replicates))
         if wanted and not self.lacking:
             share = 0.1 + 0.8 * self.number / (self.work.forward + 1)
-            done = [len(self.twins)]
+            done = [len(self.replicates)]
 
             def tick() -> None:
                 done[0] += 1
-                self.report(f"null replicate {done[0]} of {self.work.twins}", share + 0.1 * done[0] / self.work.twins)
+                self.report(f"null replicate {done[0]} of {self.work.replicates}", share + 0.1 * done[0] / self.work.replicates)
 
             seeds = [self.seed * 100_000 + self.number * 1000 + index for index in wanted]
-            self.twins += simulate_twins(self.fitter, screening.about, self.scatter, seeds, tick)
-        return null_of(self.fitter, screening, self.twins)
+            self.replicates += simulate_twins(self.fitter, screening.about, self.scatter, seeds, tick)
+        return null_of(self.fitter, screening, self.replicates)
 
     def _match(self, current: Fit) -> None:
         """Match the scatter of twins to that of the tests about a model."""
@@ -254,12 +254,12 @@ class _Search:
 
     def _certain(self, step: Step | None, null: Null) -> tuple[Step | None, Null]:
         """Return a step and its null with all twins, unless what it gains is as clear in few as its promise was."""
-        if step is None or len(null.gains) >= self.work.twins:
+        if step is None or len(null.gains) >= self.work.replicates:
             return step, null
         gain = counted_gain(step)
         if is_clear(gain, null.gains):
             return step, null
-        null = self._null(step.screening, self.work.twins)
+        null = self._null(step.screening, self.work.replicates)
         return replace(step, p_value=null.p_value(gain), null_gains=null.gains), null
 
     def _counts(self, step: Step) -> bool:

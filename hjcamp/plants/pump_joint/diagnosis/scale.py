@@ -21,7 +21,7 @@ from hjcamp.plants.pump_joint.diagnosis.residuals.replay import (
     ChannelError,
     Series,
     channel_error,
-    floor_of,
+    noise_floor_of,
     replay,
 )
 from hjcamp.plants.pump_joint.diagnosis.residuals.views import Views
@@ -40,7 +40,7 @@ class Scale:
     logs: repetitions are told apart beside what it makes of the pump's own differences between them.
     """
 
-    floors: Mapping[str, float | None]
+    noise_floors: Mapping[str, float | None]
     spreads: Mapping[str, float]
     reference: Candidate | None = None
     features: Array | None = None
@@ -49,7 +49,7 @@ class Scale:
     @property
     def repeated(self) -> bool:
         """Whether there is a floor at all."""
-        return any(floor is not None for floor in self.floors.values())
+        return any(noise_floor is not None for noise_floor in self.noise_floors.values())
 
     def score(self, errors: Mapping[str, ChannelError | None]) -> float:
         """Return the geometric mean over arm and lines of the error over the floor, or over the measurement's spread."""
@@ -57,7 +57,7 @@ class Scale:
         for name in HEADLINE:
             error = errors[name]
             assert error is not None
-            parts.append(error.rms / (self.floors.get(name) or max(self.spreads[name], 1e-12)))
+            parts.append(error.rms / (self.noise_floors.get(name) or max(self.spreads[name], 1e-12)))
         return float(np.exp(np.mean(np.log(np.maximum(parts, 1e-12)))))
 
 
@@ -115,17 +115,17 @@ def scale_of(views: Views, calibrated: Candidate | None = None) -> Scale:
     features = Features(evidence)
     candidate = calibrated or calibrate(views, features)[0].candidate
     try:
-        floors = replay(views, "reference", candidate).own_floors
+        noise_floors = replay(views, "reference", candidate).own_floors
     except HjcampError:
         return Scale(dict.fromkeys(CHANNELS), spreads)
     if np.isfinite(evidence.homes).any():
-        floors = {**floors, FIRST: float(evidence.home_scatter * SCALES[0])}
+        noise_floors = {**noise_floors, FIRST: float(evidence.home_scatter * SCALES[0])}
     residuals = views.residuals(candidate)
     windows = windows_of(evidence, residuals[:, 0])
     width = round(WINDOW / PERIOD)
-    known = [floor_of([one[:, k] for one in windows], evidence.conditions.values()) for k in range(width)]
+    known = [noise_floor_of([one[:, k] for one in windows], evidence.conditions.values()) for k in range(width)]
     horizon = np.array([one or 0.0 for one in known]) if None not in known else None
-    return Scale(floors, spreads, candidate, features.floor(features.of(residuals)), horizon)
+    return Scale(noise_floors, spreads, candidate, features.noise_floor(features.of(residuals)), horizon)
 
 
 def windows_of(evidence: Evidence, arm: Array) -> list[Array]:
@@ -159,10 +159,10 @@ class Judge:
                 every[name][1].extend(measured)
             known = self._whole.evidence.homes[list(tests)]
             first += ((self._whole.shown_at_zero(candidate) - known) * SCALES[0]).tolist()
-        floors = self.scale.floors
-        errors = {name: channel_error(*one, floors.get(name)) for name, one in every.items()}
+        noise_floors = self.scale.noise_floors
+        errors = {name: channel_error(*one, noise_floors.get(name)) for name, one in every.items()}
         seen = np.array(first)[np.isfinite(first)]
-        errors[FIRST] = channel_error([seen], [seen], floors.get(FIRST)) if len(seen) else None
+        errors[FIRST] = channel_error([seen], [seen], noise_floors.get(FIRST)) if len(seen) else None
         if not self._parts:
             return Judged(errors, float("nan"))
         places = tuple(place for tests, _ in self._parts for place in tests)
@@ -184,11 +184,11 @@ class Judge:
     def _each(self, every: Mapping[str, Series], first: Sequence[float]) -> tuple[float, ...]:
         """Return the error of every single test, in floors."""
         scale = self.scale
-        over = [scale.floors.get(name) or max(scale.spreads[name], 1e-12) for name in HEADLINE]
+        over = [scale.noise_floors.get(name) or max(scale.spreads[name], 1e-12) for name in HEADLINE]
         squares = np.array(
             [[np.mean(left**2) / one**2 for left in every[name][0]] for name, one in zip(HEADLINE, over, strict=True)]
         )
-        floor = scale.floors.get(FIRST)
-        if floor is not None:
-            squares = np.vstack([squares, np.square(first) / floor**2])
+        noise_floor = scale.noise_floors.get(FIRST)
+        if noise_floor is not None:
+            squares = np.vstack([squares, np.square(first) / noise_floor**2])
         return tuple(np.sqrt(np.nanmean(squares, axis=0)).tolist())

@@ -126,7 +126,7 @@ def cells_of(one: Map) -> tuple[tuple[Array, Array], Array, Array]:
 
 
 def _bars(axis: Any, bars: Sequence[tuple[str, str, float]]) -> None:
-    """Draw bars from the top, each group under its name: every group divides the same error anew."""
+    """Draw bars from the top, each group under its name: every group divides the same error again."""
     place, group, places, names = 0.0, "", [], []
     for number, (new, label, share) in enumerate(bars):
         if new != group:
@@ -175,17 +175,19 @@ def largest(one: Map) -> float:
     return max(float(found.max(initial=0.0)), 1e-9)
 
 
-def draw_horizon(curves: Sequence[HorizonCurve], floor: Array | None) -> str:
-    """Return the error of the arm (deg) and its floor (rad, (k,)) against the time since a restart (ms)."""
+def draw_horizon(curves: Sequence[HorizonCurve], noise_floor: Array | None) -> str:
+    """Return the error of the arm (deg) and its noise floor (rad, (k,)) against the time since a restart (ms)."""
 
     def paint(figure: Any) -> None:
         axis = figure.subplots()
         for number, one in enumerate(curves):
             colour = MODELS[number % len(MODELS)]
             axis.plot(one.time * 1e3, np.degrees(one.rms), color=colour, linewidth=1.4, label=one.name)
-        if floor is not None:
+        if noise_floor is not None:
             style = (0, (4, 2.5))
-            axis.plot(curves[0].time * 1e3, np.degrees(floor), color=INK, linewidth=1.0, linestyle=style, label="noise floor")
+            axis.plot(
+                curves[0].time * 1e3, np.degrees(noise_floor), color=INK, linewidth=1.0, linestyle=style, label="noise floor"
+            )
         dress(axis, "Error of the arm (deg, rms)")
         axis.set_xlabel("Time since the restart from measured states (ms)", color=INK, fontsize=8.5)
         axis.legend(fontsize=8, frameon=False)

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 def draw_unexplained(horizontal: str, vertical: str, centres: Array, forward: Array, backward: Array) -> str:
-    """Return means (bins,) over a driver, moving forwards and backwards, beside their even and odd part; NaN is left out."""
+    """Return means (bins,) over a driver, moving forwards and backwards, next to their even and odd part; NaN is left out."""
 
     def paint(figure: Any) -> None:
         left, right = figure.subplots(1, 2, sharey=True)

@@ -27,8 +27,8 @@ UNKNOWN = "the log does not hold its configuration"
 def standing(config: Mapping[str, Any], cell: tuple[str, ...]) -> list[dict[str, str]]:
     """Return, for each table that has the ``cell`` (of `cell_key`), its name and where ``config`` differs from its test.
 
-    ``differs`` is empty where nothing that decides the physics does: only then the published value may stand beside. What was
-    measured stands beside every model of the joint that has a name of its own.
+    ``differs`` is empty where nothing that decides the physics does: only then the published value may stand next to it. What was
+    measured stands next to every model of the joint that has a name of its own.
     """
     found = []
     for table, campaigns in CAMPAIGNS.items():

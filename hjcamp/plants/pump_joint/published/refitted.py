@@ -33,8 +33,8 @@ def refitted_means() -> dict[tuple[str, ...], float]:
     return {(*cell_key(row["choices"]), row["indicator"]): float(row["simulated"][model]) for row in rows}
 
 
-def beside_refit(conditions: pl.DataFrame) -> Sheet | None:
-    """Return the frame of `hjcamp.report.tables.aggregation.by_condition` beside the refitted means; None where nothing compares."""
+def against_refit(conditions: pl.DataFrame) -> Sheet | None:
+    """Return the frame of `hjcamp.report.tables.aggregation.by_condition` next to the refitted means; None where nothing compares."""
     found, body = refitted_means(), []
     for row in conditions.iter_rows(named=True):
         cells = [_cells(row, found.get((*cell_key(row), name)), name) for name in SHOWN]

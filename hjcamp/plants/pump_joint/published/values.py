@@ -73,7 +73,7 @@ def published_cells() -> pl.DataFrame:
     """Return every published cell: table, condition, indicator, mean, std, decimals, simulated.
 
     ``std`` is the printed deviation, which divides by n (see `docs/published_inconsistencies.md`). Where none is
-    printed (the steady state errors) it is that of the printed repetitions, formed alike; where the thesis gives one
+    printed (the steady state errors) it is that of the printed repetitions, formed in the same way; where the thesis gives one
     value alone (simulations, previous work) it is null.
     """
     cells = [*_measured_cells(), *_simulated_cells(), *_previous_work()]

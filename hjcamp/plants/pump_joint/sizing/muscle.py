@@ -1,4 +1,4 @@
-"""The braided muscle beside a cylinder of its size (thesis 3.4, Figure 3.4.1)."""
+"""The braided muscle next to a cylinder of its size (thesis 3.4, Figure 3.4.1)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The formulas of chapter 3 evaluated beside what the thesis prints."""
+"""The formulas of chapter 3 evaluated next to what the thesis prints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What costs how much: each part of the rig made better by a share, the gains tuned anew, the error before and after."""
+"""What costs how much: each part of the rig made better by a share, the gains tuned again, the error before and after."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ DRAWS, BEHIND = 8, 1000
 
 @dataclass(frozen=True)
 class Item:
-    """One row: RMSE1 and largest error (deg) of each repetition, with the gains as they were and tuned anew.
+    """One row: RMSE1 and largest error (deg) of each repetition, with the gains as they were and tuned again.
 
-    ``retuned`` is empty where the gains were left, or run away; ``problem`` says why a row has no numbers.
+    ``retuned`` is empty where the gains were left, or diverge; ``problem`` says why a row has no numbers.
     """
 
     name: str
@@ -38,7 +38,7 @@ class Item:
 
     @property
     def best(self) -> NDArray[np.float64]:
-        """The errors to judge by, (repetitions, 2): with gains tuned anew where that was done and did not harm."""
+        """The errors to judge by, (repetitions, 2): with gains tuned again where that was done and did not harm."""
         if not len(self.retuned):
             return self.kept
         return min(self.kept, self.retuned, key=lambda one: float(one[:, 0].mean()))

@@ -62,7 +62,7 @@ def oscillation(composer: Composer, overrides: Sequence[str], step_deg: float, g
 
 
 def lasting_period(arm: NDArray[np.float64], smallest: float, period: float = 1e-3) -> float | None:
-    """Return the period (s) of what is left in the second half of ``arm`` (n,), None where it is small or dies away."""
+    """Return the period (s) of the residual in the second half of ``arm`` (n,), None where it is small or dies away."""
     quarters = [np.ptp(part) for part in np.array_split(arm, 4)]
     if quarters[3] < smallest or quarters[3] < 0.8 * quarters[2]:
         return None

@@ -1,4 +1,4 @@
-"""Gains tuned anew for the conditions of a campaign: a seeded search on the simulated rig, without scatter or on given draws."""
+"""Gains tuned again for the conditions of a campaign: a seeded search on the simulated rig, without scatter or on given draws."""
 
 from __future__ import annotations
 

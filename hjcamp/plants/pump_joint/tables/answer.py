@@ -79,7 +79,7 @@ def _step(step: Step) -> dict[str, Any]:
         "control_loss": step.control.loss,
         "gain": step.gain,
         "p_value": step.p_value,
-        "gains_of_twins": list(step.twins),
+        "gains_of_twins": list(step.replicates),
         "predicted": promised,
         "form": step.form,
         "candidates": [

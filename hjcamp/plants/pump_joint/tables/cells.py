@@ -85,7 +85,7 @@ class Cells:
         return replace(self, form=float(brentq(left, LEAST_FORM, 1.0, xtol=1e-4)) if left(LEAST_FORM) > 0.0 else LEAST_FORM)
 
     def with_means(self, means: Array) -> Cells:
-        """Return the same cells, known as well on their scales, with other means: a twin."""
+        """Return the same cells, known as well on their scales, with other means: a null replicate."""
         share = np.maximum(np.abs(means), LEAST) / np.maximum(np.abs(self.means), LEAST)
         scale = np.where(self.logarithmic, share, 1.0)
         return replace(
@@ -96,7 +96,7 @@ class Cells:
         )
 
     def drawn(self, simulated: Array, generator: np.random.Generator) -> Cells:
-        """Return a twin: ``simulated`` means moved by errors of the size that each cell may have, rounded as the table is."""
+        """Return a null replicate: ``simulated`` means moved by errors of the size that each cell may have, rounded as the table is."""
         draws = self.sigma * generator.standard_normal(len(simulated))
         moved = np.where(self.logarithmic, simulated * np.exp(draws), simulated + draws)
         rounded = np.round(moved / self.step) * self.step if self.step else moved

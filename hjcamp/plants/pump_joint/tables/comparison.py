@@ -1,4 +1,4 @@
-"""Saved models beside a table, simulated exactly as a run would simulate them."""
+"""Saved models compared with a table, simulated exactly as a run would simulate them."""
 
 from __future__ import annotations
 

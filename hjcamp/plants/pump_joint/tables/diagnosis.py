@@ -136,7 +136,7 @@ def _asked(question: Question, laws: Sequence[str], names: Sequence[str], seed: 
 
 def _p_left(search: Search, model: Fit, loss: float) -> float:
     """Return the share of the model's own tables that it meets no better than the measured one."""
-    own = search.losses_of_twins(model)
+    own = search.losses_of_replicates(model)
     return (1 + sum(one >= loss for one in own)) / (1 + len(own))
 
 
@@ -146,14 +146,14 @@ def verdict_of(model: Fit, steps: Sequence[Step], p_left: float, elsewhere: Sequ
         return (NOTHING if p_left > LEVEL else OUTSIDE), ()
     last = next(one for one in steps if any(rival.names == model.names for rival in one.rivals))
     best = min(penalised(one, last.control) for one in last.rivals)
-    alike = [one for one in last.rivals if math.exp(0.5 * (best - penalised(one, last.control))) > LEAST_WEIGHT]
+    similar = [one for one in last.rivals if math.exp(0.5 * (best - penalised(one, last.control))) > LEAST_WEIGHT]
     # models of other bottoms share no step: each pays for all that it has
     base = steps[0].before
     whole = penalised(model, base)
     others = [one for one in elsewhere if one.names and one.names != model.names]
-    alike += [one for one in others if math.exp(0.5 * (whole - penalised(one, base))) > LEAST_WEIGHT]
+    similar += [one for one in others if math.exp(0.5 * (whole - penalised(one, base))) > LEAST_WEIGHT]
     if p_left <= LEVEL:
         return OUTSIDE, model.names
-    if len(alike) > 1:
-        return ONE_OF, tuple(dict.fromkeys(name for one in alike for name in one.names))
+    if len(similar) > 1:
+        return ONE_OF, tuple(dict.fromkeys(name for one in similar for name in one.names))
     return EFFECT, model.names

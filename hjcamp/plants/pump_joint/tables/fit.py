@@ -95,7 +95,7 @@ class Fitting:
     def descended(self, places: Array, budget: int) -> tuple[Array, float]:
         """Return where damped least squares with the weights of the robust loss ends, and the loss there.
 
-        Slopes are kept along a descent by secants (Broyden) and simulated anew, over less, where it comes to a stop.
+        Slopes are kept along a descent by secants (Broyden) and simulated again, over less, where it comes to a stop.
         Source: Marquardt (1963), J. SIAM 11, 431; Broyden (1965), Math. Comp. 19, 577; Holland & Welsch (1977), Communications in
         Statistics A6, 813.
         """

@@ -116,10 +116,10 @@ def _steps(found: Mapping[str, Any]) -> Iterator[str]:
     )
     for number, step in enumerate(found["steps"], start=1):
         best = best_of(step)
-        twins = step["gains_of_twins"]
-        most = f"{max(twins):.1f}" if twins else ""
+        replicates = step["gains_of_twins"]
+        most = f"{max(replicates):.1f}" if replicates else ""
         before = " + ".join(["base", *step["before"]])
-        yield f"| {number} | {before} | `{best}` | {step['gain']:.1f} | {most} | {len(twins)} | {step['p_value']:.3g} |"
+        yield f"| {number} | {before} | `{best}` | {step['gain']:.1f} | {most} | {len(replicates)} | {step['p_value']:.3g} |"
     yield from (
         "",
         "Gain: fall of the loss relative to a control that is refitted the same way, less 2 for each quantity; as "

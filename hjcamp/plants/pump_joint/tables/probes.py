@@ -67,7 +67,7 @@ class Promise:
 
 @dataclass(frozen=True)
 class Prediction:
-    """The model alone, and each candidate at its best place beside it, best first."""
+    """The model alone, and each candidate at its best place next to it, best first."""
 
     alone: Promise
     candidates: Sequence[Promise]

@@ -32,7 +32,7 @@ class Question:
 
     @property
     def lacking(self) -> list[str]:
-        """Why nothing can be told from these cells, in words; empty where something can."""
+        """Why nothing can be identified from these cells, in words; empty where something can."""
         found = []
         if len(self.cells) < FEWEST_CELLS:
             found.append(f"{_count(len(self.cells), 'mean')}; {FEWEST_CELLS} at least are needed to hold the base parameters")
@@ -68,7 +68,7 @@ def asked(words: Sequence[str]) -> Question:
 
 
 def held_out(question: Question, asked_for: Sequence[str] | None = None) -> Question | None:
-    """Return the tables that were not used: those of ``asked_for``, else every printed one beside printed ones, else none."""
+    """Return the tables that were not used: those of ``asked_for``, else every printed one next to printed ones, else none."""
     if asked_for:
         numbers = all(name in CAMPAIGNS for name in asked_for)
         words = [word for word in question.overrides if not (numbers and word.startswith("campaign="))]

@@ -29,7 +29,7 @@ SHOWN = 5
 
 @dataclass(frozen=True)
 class Effort:
-    """How long is searched: tables of the base's fits, of others, of the evolution of what is taken; rivals, twins, steps; starts.
+    """How long is searched: tables of the base's fits, of others, of the evolution of what is taken; rivals, replicates, steps; starts.
 
     The base begins at so many ``starts``. Of more than two each is fitted for longer, as short fits end on the way, and where they
     come to several bottoms of nearly one depth each is searched from.
@@ -39,31 +39,31 @@ class Effort:
     short: int
     polish: int
     refitted: int
-    twins: int
+    replicates: int
     steps: int
     starts: int = 2
 
 
 EFFORTS = {
-    "quick": Effort(base=120, short=60, polish=200, refitted=3, twins=199, steps=4),
-    "standard": Effort(base=250, short=120, polish=1000, refitted=6, twins=199, steps=5, starts=4),
-    "thorough": Effort(base=400, short=250, polish=3000, refitted=10, twins=999, steps=6, starts=8),
+    "quick": Effort(base=120, short=60, polish=200, refitted=3, replicates=199, steps=4),
+    "standard": Effort(base=250, short=120, polish=1000, refitted=6, replicates=199, steps=5, starts=4),
+    "thorough": Effort(base=400, short=250, polish=3000, refitted=10, replicates=999, steps=6, starts=8),
 }
 
 
 @dataclass(frozen=True)
 class Step:
-    """One step: the model before, the control (refitted alike), its rivals with a candidate each, the twins' gains.
+    """One step: the model before, the control (refitted in the same way), its rivals with a candidate each, the null replicates' gains.
 
     ``promised`` is what the linear prediction says of the best candidates, and ``predicted`` the gain of the first, by
-    which alone the twins are judged. Where that much is chance nothing is refitted: there are no rivals. ``form`` is the
+    which alone the null replicates are judged. Where that much is chance nothing is refitted: there are no rivals. ``form`` is the
     share of the allowed error of form by which gains are judged.
     """
 
     before: Fit
     control: Fit
     rivals: Sequence[Fit]
-    twins: Sequence[float]
+    replicates: Sequence[float]
     predicted: float = math.inf
     promised: Sequence[Promise] = ()
     form: float = 1.0
@@ -75,14 +75,14 @@ class Step:
 
     @property
     def p_value(self) -> float:
-        """The chance of such a gain, as fitted or as predicted, whichever is less. Without twins the gain is not tested."""
-        if len(self.twins) < 2:
+        """The chance of such a gain, as fitted or as predicted, whichever is less. Without null replicates the gain is not tested."""
+        if len(self.replicates) < 2:
             return 1.0
-        return chance(min(self.gain, self.predicted), self.twins)
+        return chance(min(self.gain, self.predicted), self.replicates)
 
 
-def chance(gain: float, twins: Sequence[float]) -> float:
-    r"""Return how often nothing gains so much: counted among twins, beyond all of them along their own tail.
+def chance(gain: float, replicates: Sequence[float]) -> float:
+    r"""Return how often nothing gains so much: counted among null replicates, beyond all of them along their own tail.
 
     .. math:: p = \frac{1 + \#\{g_i \ge g\}}{1 + n}\,e^{-\max(g - g_{(1)}, 0) / \beta}, \quad
               \beta = \frac{1}{k} \sum_{i \le k} (g_{(i)} - g_{(k)})
@@ -90,7 +90,7 @@ def chance(gain: float, twins: Sequence[float]) -> float:
     with the k largest of n gains, a tenth of them (ten where that is less). No tail is taken to be less wide than half a
     unit of loss. Source: Knijnenburg et al. (2009), Bioinformatics 25(12), i161-i168, doi:10.1093/bioinformatics/btp211.
     """
-    ordered = np.sort(np.asarray(twins, dtype=float))[::-1]
+    ordered = np.sort(np.asarray(replicates, dtype=float))[::-1]
     number = len(ordered)
     most = max(number // TENTH, min(FEWEST, number - 1))
     width = max(float(np.mean(ordered[:most] - ordered[most - 1])), 0.5)
@@ -141,15 +141,17 @@ class Search:
         return sorted([printed, *fits], key=lambda one: one.loss)
 
     def step(self, number: int, model: Fit) -> Step:
-        """Return the candidates that promise most beside the control, and what the twins of ``model`` promise by chance."""
+        """Return the candidates that promise most in addition to the control, and what replicates of ``model`` promise by chance."""
         begin, share = 0.1 + 0.8 * number / self.effort.steps, 0.8 / self.effort.steps
         names = [name for name in self.names if name not in model.names]
         doing = f"step {number + 1}: looking at {len(names)} candidates"
         looked = look(self.rig, self.cells, model, names, self.crew, lambda at: self.report(doing, begin + 0.4 * share * at))
         promise = looked.predicted(self.cells)
         generator = np.random.default_rng([self.seed, number])
-        twins = [looked.predicted(self.cells.drawn(looked.simulated, generator)).gain for _ in range(self.effort.twins)]
-        found = Step(model, model, (), twins, promise.gain, promise.candidates[:SHOWN], self.cells.form)
+        replicates = [
+            looked.predicted(self.cells.drawn(looked.simulated, generator)).gain for _ in range(self.effort.replicates)
+        ]
+        found = Step(model, model, (), replicates, promise.gain, promise.candidates[:SHOWN], self.cells.form)
         if found.p_value > LEVEL:
             return found
         self.report(f"step {number + 1}: fitting what promises most", begin + 0.4 * share)
@@ -160,7 +162,7 @@ class Search:
         return replace(found, control=control, rivals=rivals)
 
     def _refitted(self, key: str, model: Fit, promise: Promise) -> Fit:
-        """Refit the model with what a promise adds, from where the model or where the promise is; all alike."""
+        """Refit the model with what a promise adds, from where the model or where the promise is; all in the same way."""
         names = (*model.names, *([promise.name] if promise.name else []))
         starts = [{**promise.places, **model.places}, promise.places]
         return self._fit(f"{key} {promise.name or 'control'}", names, starts, self.effort.short)
@@ -199,8 +201,8 @@ class Search:
             model = self.longer(f"step {number + 1}", min(found.rivals, key=lambda one: penalised(one, found.control)))
         return model, steps
 
-    def losses_of_twins(self, model: Fit) -> list[float]:
-        """Return the loss of a model on tables of its own: what is left where nothing is missing."""
+    def losses_of_replicates(self, model: Fit) -> list[float]:
+        """Return the loss of a model on tables of its own: the residual where nothing is missing."""
         simulated = self.cells.of(self.rig.indicators(model.settings))
         generator = np.random.default_rng([self.seed, 99])
         return [float(robust(self.cells.drawn(simulated, generator).errors(simulated)).sum()) for _ in range(199)]

@@ -21,7 +21,7 @@ TESTS = "tests"
 OWN = {"n": TESTS}
 for _name in INDICATORS:
     OWN |= {f"{_name}_mean": _name, f"{_name}_std": f"{_name}{DEVIATION}"}
-BESIDE = re.compile(rf"({'|'.join(INDICATORS)})_(published|baseline|difference|arrow|p)(_.*)?|published_differs")
+REFERENCE_COLUMNS = re.compile(rf"({'|'.join(INDICATORS)})_(published|baseline|difference|arrow|p)(_.*)?|published_differs")
 
 
 def read_table(path: Path) -> Cells:
@@ -47,7 +47,7 @@ def read_table(path: Path) -> Cells:
         raise UsageError(f"table {path}: it needs a line of column names and one line for each condition")
     (_, header), *body = numbered
     header = [OWN.get(name, name) for name in header]
-    keys, indicators = _columns(path, [name for name in header if not BESIDE.fullmatch(name)])
+    keys, indicators = _columns(path, [name for name in header if not REFERENCE_COLUMNS.fullmatch(name)])
     conditions: list[dict[str, str]] = []
     found: list[tuple[int, int, float, float, float]] = []
     for number, line in body:

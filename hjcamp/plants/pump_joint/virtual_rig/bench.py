@@ -1,4 +1,4 @@
-"""What a person does at a real bench and no driver can: put a joint on it. One call beside the vendor's service."""
+"""What a person does at a real bench and no driver can: put a joint on it. One call next to the vendor's service."""
 
 from __future__ import annotations
 

@@ -69,13 +69,13 @@ class VirtualPlant:
 
     def _compile(self) -> None:
         # By a sample of a twin: in the first sample of a test a client on another computer would give up waiting.
-        twin = copy.copy(self)
+        copied = copy.copy(self)
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray):
-                setattr(twin, name, value.copy())
+                setattr(copied, name, value.copy())
         plan, space, steps = self._propagators
-        twin._propagators = Propagators(plan.copy(), space.copy(), steps.copy())
-        twin.advance(np.zeros(3))
+        copied._propagators = Propagators(plan.copy(), space.copy(), steps.copy())
+        copied.advance(np.zeros(3))
 
     def advance(self, outputs: Array) -> Array:
         """Go on to the next sample under ``outputs`` (pump command rad, dither V, preload speed m/s).

@@ -122,9 +122,9 @@ def of_those_that_tell(logarithms: Array, tells: NDArray[np.bool_]) -> Array:
 
 def _one_twin(context: tuple[Views, Features, Fit, RepetitionScatter], seed: int) -> Array:
     views, features, fit, scatter = context
-    twin = make_twin(views, fit.candidate, scatter, seed)
-    own = Features(twin)
-    found = own.of(Views(twin, views.effects, views.crew).residuals(fit.candidate))
+    copied = make_twin(views, fit.candidate, scatter, seed)
+    own = Features(copied)
+    found = own.of(Views(copied, views.effects, views.crew).residuals(fit.candidate))
     return features.shared(own, found)
 
 

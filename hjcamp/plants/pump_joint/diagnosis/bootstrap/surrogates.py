@@ -49,16 +49,16 @@ def match_scatter(views: Views, fit: Fit, scatter: RepetitionScatter, rounds: in
     if not views.evidence.repeated:
         return scatter
     features = Features(views.evidence)
-    floor = features.floor_by_condition(fit.features)
+    noise_floor = features.floor_by_condition(fit.features)
     for number in range(rounds):
-        twin = make_twin(views, fit.candidate, scatter, 10_000 + number)
-        own = Features(twin)
-        found = own.floor_by_condition(own.of(Views(twin, views.effects, views.crew).residuals(fit.candidate)))
+        copied = make_twin(views, fit.candidate, scatter, 10_000 + number)
+        own = Features(copied)
+        found = own.floor_by_condition(own.of(Views(copied, views.effects, views.crew).residuals(fit.candidate)))
         with np.errstate(all="ignore"):
-            ratios = np.log(floor / found)
+            ratios = np.log(noise_floor / found)
         seen = ratios[:, [DIFFERENCE, SLIDING]]
         ratio = float(np.exp(np.clip(np.mean(seen[np.isfinite(seen)]), -0.9, 0.7))) if np.isfinite(seen).any() else 1.0
-        missing = max(float(np.nanmean(floor[:, SUM] ** 2 - found[:, SUM] ** 2)), -0.5 * scatter.pressure_drift**2)
+        missing = max(float(np.nanmean(noise_floor[:, SUM] ** 2 - found[:, SUM] ** 2)), -0.5 * scatter.pressure_drift**2)
         scatter = replace(
             scatter,
             friction_between=min(scatter.friction_between, 0.06) if number == 0 else scatter.friction_between * ratio**0.5,

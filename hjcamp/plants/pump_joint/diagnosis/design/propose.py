@@ -126,4 +126,4 @@ def _views(tests_of: Sequence[list[TestEvidence] | None], kept: Sequence[int], b
 def _least(views: Views, truth: Rival) -> Array:
     """Return what a test can gain at most (channels,): half the floor of the simulated repetitions."""
     features = Features(views.evidence)
-    return np.maximum(HALF_FLOOR * features.floor(features.of(views.residuals(truth.candidate))), 1e-9)
+    return np.maximum(HALF_FLOOR * features.noise_floor(features.of(views.residuals(truth.candidate))), 1e-9)

@@ -79,7 +79,7 @@ def calibrate(
     best = min(fits, key=lambda fit: fit.loss)
     if least is not None:
         return best, fitter
-    least = np.maximum(0.5 * features.floor(best.features), 0.3 * NOISE)
+    least = np.maximum(0.5 * features.noise_floor(best.features), 0.3 * NOISE)
     least[HOME] = views.evidence.home_scatter
     fitter = Fitter(views, features, least)
     return fitter.fit(best.candidate, unknowns, steps=8), fitter

@@ -56,17 +56,17 @@ def _fold(evidence: Evidence, out: set[int]) -> Fold:
     return Fold(tuple(index for index in every if index not in out), tuple(sorted(out)))
 
 
-def judged_error(features: Features, mean_square: Array, floor: Array, tests: Sequence[int]) -> float:
+def judged_error(features: Features, mean_square: Array, noise_floor: Array, tests: Sequence[int]) -> float:
     """Return the error of some tests over the floor: root mean square over arm, pressures, line cut, sliding force (where
     the arm slides in any test) and, where one of them tells it, where they begin."""
     rows = list(tests)
     counts = features.counts[rows]
     total = np.sqrt((mean_square[rows] * counts).sum(axis=0) / counts.sum(axis=0))
-    over = total / np.maximum(floor, 1e-30)
-    judged = over[:JUDGED][floor[:JUDGED] > 0.0]
+    over = total / np.maximum(noise_floor, 1e-30)
+    judged = over[:JUDGED][noise_floor[:JUDGED] > 0.0]
     begins = np.isfinite(features.evidence.homes[rows])
     if begins.any():
-        over[HOME] = np.sqrt(mean_square[rows, HOME][begins].mean()) / max(floor[HOME], 1e-30)
+        over[HOME] = np.sqrt(mean_square[rows, HOME][begins].mean()) / max(noise_floor[HOME], 1e-30)
         return float(np.sqrt(np.mean(np.append(judged, over[HOME]) ** 2)))
     return float(np.sqrt(np.mean(judged**2)))
 
@@ -121,13 +121,14 @@ class Local:
                 return trial
         return here
 
-    def heldout_error(self, parts: Sequence[Fold], floor: Array) -> float:
+    def heldout_error(self, parts: Sequence[Fold], noise_floor: Array) -> float:
         """Return the error of all residuals of tests left out, the model refitted without them; NaN without any fold.
 
         It weighs effects; what is told of errors is on the scale of `scale`, which has no forces and no windows.
         """
         errors = [
-            judged_error(self.fitter.features, self.refitted(fold.train).mean_square, floor, fold.held_out) for fold in parts
+            judged_error(self.fitter.features, self.refitted(fold.train).mean_square, noise_floor, fold.held_out)
+            for fold in parts
         ]
         return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
 

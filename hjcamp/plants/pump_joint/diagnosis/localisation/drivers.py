@@ -169,7 +169,7 @@ def _swing(basis: Array, seen: Array) -> Array:
 
 
 def rank_drivers(
-    features: Features, fit: Fit, floor: Array, barred: Mapping[str, Sequence[str]] = TAUTOLOGIES
+    features: Features, fit: Fit, noise_floor: Array, barred: Mapping[str, Sequence[str]] = TAUTOLOGIES
 ) -> list[tuple[str, str, float]]:
     """Return (driver, channel, share explained on conditions left out), largest first, of the channel most off its floor.
 
@@ -183,7 +183,7 @@ def rank_drivers(
     for channel, index in EXPLAINED.items():
         valid = features.valid[:, index]
         residual = fit.features[:, index]
-        power = float((residual[valid] ** 2).sum()) / max(floor[index] ** 2 * valid.sum(), 1e-30)
+        power = float((residual[valid] ** 2).sum()) / max(noise_floor[index] ** 2 * valid.sum(), 1e-30)
         excess = max(1.0 - 1.0 / max(power, 1e-9), 0.0) * min(power, 25.0)
         for driver, column in values.items():
             if driver in barred.get(channel, ()):

@@ -73,7 +73,7 @@ class Quantity:
     variables: tuple[str, ...]
 
 
-def subsystem_excess(features: Features, seen: Array, floor: Array, replayed: Replay | None) -> dict[str, float]:
+def subsystem_excess(features: Features, seen: Array, noise_floor: Array, replayed: Replay | None) -> dict[str, float]:
     """Return the mean square excess over the floor of pump, lines and joint, all as a pressure difference (Pa^2).
 
     Lines: driven by measured pump and arm. Joint: force balance with every state measured, over the piston area.
@@ -82,7 +82,7 @@ def subsystem_excess(features: Features, seen: Array, floor: Array, replayed: Re
     values = features.evidence.tests[0].hardware.values
     valid = features.valid
     mean = (seen**2).sum(axis=0) / np.maximum(valid.sum(axis=0), 1)
-    excess = np.maximum(mean - floor**2, 0.0)
+    excess = np.maximum(mean - noise_floor**2, 0.0)
     numbers = valid[:, [SLIDING, BREAKAWAY]].sum(axis=0)
     force = float((excess[[SLIDING, BREAKAWAY]] * numbers).sum() / max(numbers.sum(), 1))
     found = {"lines": float(excess[SUM] + excess[DIFFERENCE]), "joint": force / values["joint_area"] ** 2, "pump": 0.0}
@@ -91,33 +91,33 @@ def subsystem_excess(features: Features, seen: Array, floor: Array, replayed: Re
     error = None if replayed is None else replayed.errors["pump_deg"]
     if error is not None:
         volume = values["pump_area"] * values["pump_lead"] * DEGREE
-        lost = max(error.rms**2 - (error.floor or 0.0) ** 2, 0.0)
+        lost = max(error.rms**2 - (error.noise_floor or 0.0) ** 2, 0.0)
         found["pump"] = lost * (2 * values["line_stiffness"] * volume) ** 2
     return found
 
 
-def where(features: Features, seen: Array, floor: Array | None, replayed: Replay | None) -> list[Place]:
+def where(features: Features, seen: Array, noise_floor: Array | None, replayed: Replay | None) -> list[Place]:
     """Return the places of the error above repeatability, largest share first: subsystems as a whole, then their bins.
 
     ``seen`` (blocks, channels) are the features of the model's residuals, ``floor`` (channels,) that of the logs. The share
     of a bin is what its mean residual explains of its subsystem's share. A subsystem whose error is not above its floor
     (z below 2) is left out.
     """
-    if floor is None:
-        floor = np.zeros(seen.shape[1])
-    excess = subsystem_excess(features, seen, floor, replayed)
+    if noise_floor is None:
+        noise_floor = np.zeros(seen.shape[1])
+    excess = subsystem_excess(features, seen, noise_floor, replayed)
     total = sum(excess.values()) or 1.0
     places = []
     for subsystem, value in excess.items():
         if value / total > 0.005:
-            z, shown, number = _significance(features, _level(features, seen, floor, subsystem, replayed))
+            z, shown, number = _significance(features, _level(features, seen, noise_floor, subsystem, replayed))
             places.append(Place(subsystem, "all", "all", value / total, z, shown, number))
     every = quantities(features, seen)
     for quantity in every:
         share = excess[quantity.subsystem] / total
         if share > 0.01:
-            alike = [one for one in every if one.subsystem == quantity.subsystem]
-            whole = sum(float((one.values[one.valid] ** 2).sum()) for one in alike)
+            similar = [one for one in every if one.subsystem == quantity.subsystem]
+            whole = sum(float((one.values[one.valid] ** 2).sum()) for one in similar)
             places += _bins(features, quantity, share / (whole or 1.0))
     places = _merged(places)
     seen_in = {place.subsystem for place in places if place.variable == "all" and place.z > 2.0}
@@ -167,18 +167,18 @@ def _slopes(features: Features, values: Array) -> tuple[Array, Bools]:
     return out / (2 * SLOPE * BLOCK * 4e-3), whole
 
 
-def _level(features: Features, seen: Array, floor: Array, subsystem: str, replayed: Replay | None) -> Array:
+def _level(features: Features, seen: Array, noise_floor: Array, subsystem: str, replayed: Replay | None) -> Array:
     """Return for each test by how much its mean square is above the floor, in floors; NaN where nothing is seen."""
     tests = len(features.evidence.tests)
     if subsystem == "pump" and replayed is not None:
         error = replayed.errors["pump_deg"]
-        least = (error.floor if error is not None else None) or 0.0
+        least = (error.noise_floor if error is not None else None) or 0.0
         squares = {index: float(np.mean(one**2)) for index, one in replayed.pump.items()}
         return np.array([_above(squares.get(index, np.nan), least) for index in range(tests)])
     channels = [SUM, DIFFERENCE] if subsystem == "lines" else [WINDOW, SLIDING, BREAKAWAY]
     numbers = np.add.reduceat(features.valid.astype(float), features.edges[:-1], axis=0)[:, channels]
     squares_seen = features.mean_square(seen)[:, channels]
-    above = np.column_stack([_above(squares_seen[:, k], floor[channel]) for k, channel in enumerate(channels)])
+    above = np.column_stack([_above(squares_seen[:, k], noise_floor[channel]) for k, channel in enumerate(channels)])
     total = numbers.sum(axis=1)
     return np.where(total > 0, (above * numbers).sum(axis=1) / np.maximum(total, 1), np.nan)
 
@@ -207,8 +207,8 @@ def _significance(features: Features, level: Array) -> tuple[float, int, int]:
     error = deviation / np.sqrt(len(every))
     mean = float(every.mean())
     z = mean / error if error > 0 else 0.0
-    alike = sum(1 for one in means if one * mean > 0)
-    return float(np.clip(z, -999.0, 999.0)), alike, len(means)
+    similar = sum(1 for one in means if one * mean > 0)
+    return float(np.clip(z, -999.0, 999.0)), similar, len(means)
 
 
 def _bins(features: Features, quantity: Quantity, weight: float) -> list[Place]:

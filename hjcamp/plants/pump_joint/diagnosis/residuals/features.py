@@ -115,7 +115,7 @@ class Features:
             counts.append(np.where(shared, number, 0).sum(axis=0))
         return np.array(totals), np.array(counts)
 
-    def floor(self, features: Array) -> Array:
+    def noise_floor(self, features: Array) -> Array:
         r"""Return the floor (channels,): what the repetitions of a condition do not share.
 
         .. math:: \sigma^2 = \frac{1}{N} \sum_c \frac{R_c}{R_c - 1} \sum_{r,t} (r_{crt} - \bar r_{ct})^2
@@ -126,9 +126,9 @@ class Features:
         totals, counts = self._unshared(features)
         total, count = totals.sum(axis=0), counts.sum(axis=0)
         whole = np.sqrt((features**2).sum(axis=0) / np.maximum(self.valid.sum(axis=0), 1))
-        floor = np.where(count > 20, np.sqrt(total / np.maximum(count, 1)), whole)
-        floor[HOME] = self.evidence.home_scatter
-        return floor
+        noise_floor = np.where(count > 20, np.sqrt(total / np.maximum(count, 1)), whole)
+        noise_floor[HOME] = self.evidence.home_scatter
+        return noise_floor
 
 
 def log_error(mean_square: Array, least: Array) -> float:

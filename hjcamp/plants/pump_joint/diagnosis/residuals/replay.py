@@ -25,16 +25,16 @@ class ChannelError:
     """Error of one channel in its own unit: rms, the floor (None without repetitions), and r2."""
 
     rms: float
-    floor: float | None
+    noise_floor: float | None
     r2: float | None
 
     @property
     def ratio(self) -> float | None:
         """Error over floor."""
-        return None if not self.floor else self.rms / self.floor
+        return None if not self.noise_floor else self.rms / self.noise_floor
 
 
-def floor_of(residual: Sequence[Array], conditions: Iterable[Sequence[int]]) -> float | None:
+def noise_floor_of(residual: Sequence[Array], conditions: Iterable[Sequence[int]]) -> float | None:
     """Return what the repetitions of a condition do not share of one channel's residuals (tests of (n,)).
 
     The mean over conditions of the variance about the repetitions' mean, with R - 1 degrees of freedom; a test is cut
@@ -66,13 +66,13 @@ class Replay:
     pump: dict[int, Array]
     pump_measured: dict[int, Array]
 
-    floors: Mapping[str, float | None] | None = None
+    noise_floors: Mapping[str, float | None] | None = None
 
     @cached_property
     def errors(self) -> dict[str, ChannelError | None]:
         """The error of every channel over its floor; None where no log tells."""
-        floors = self.own_floors if self.floors is None else self.floors
-        return {name: channel_error(*series, floors.get(name)) for name, series in self.series.items()}
+        noise_floors = self.own_floors if self.noise_floors is None else self.noise_floors
+        return {name: channel_error(*series, noise_floors.get(name)) for name, series in self.series.items()}
 
     @cached_property
     def series(self) -> dict[str, Series]:
@@ -92,20 +92,22 @@ class Replay:
         order = {test: place for place, test in enumerate(self.pump)}
         conditions = list(self.evidence.conditions.values())
         shared = [[order[i] for i in tests if i in order] for tests in conditions]
-        return {name: floor_of(left, shared if name == CHANNELS[3] else conditions) for name, (left, _) in self.series.items()}
+        return {
+            name: noise_floor_of(left, shared if name == CHANNELS[3] else conditions) for name, (left, _) in self.series.items()
+        }
 
 
-def channel_error(residual: Sequence[Array], measured: Sequence[Array], floor: float | None) -> ChannelError | None:
+def channel_error(residual: Sequence[Array], measured: Sequence[Array], noise_floor: float | None) -> ChannelError | None:
     """Return rms, floor and r2 of one channel from its residuals and measurements, test by test; None without any."""
     if not residual:
         return None
     square = sum(float((one**2).sum()) for one in residual)
     spread = sum(float(((one - one.mean()) ** 2).sum()) for one in measured)
     rms = float(np.sqrt(square / sum(len(one) for one in residual)))
-    return ChannelError(rms, floor, 1.0 - square / spread if spread > 0 else None)
+    return ChannelError(rms, noise_floor, 1.0 - square / spread if spread > 0 else None)
 
 
-def replay(views: Views, name: str, candidate: Candidate, floors: Mapping[str, float | None] | None = None) -> Replay:
+def replay(views: Views, name: str, candidate: Candidate, noise_floors: Mapping[str, float | None] | None = None) -> Replay:
     """Return the replay of one model over whole tests; raises HjcampError where the model runs away."""
     evidence = views.evidence
     joint = views.joint_readings(candidate, windows=False)
@@ -122,4 +124,4 @@ def replay(views: Views, name: str, candidate: Candidate, floors: Mapping[str, f
         start = columns["pump_deg"][0] - test.command[0] / DEGREE
         seen[index] = columns["pump_deg"]
         pump[index] = hardware.pump_motion(test.command) / DEGREE + start - columns["pump_deg"]
-    return Replay(name, evidence, joint[:, :3] * SCALES, measured * SCALES, pump, seen, floors)
+    return Replay(name, evidence, joint[:, :3] * SCALES, measured * SCALES, pump, seen, noise_floors)

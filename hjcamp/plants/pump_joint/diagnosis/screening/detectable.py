@@ -12,7 +12,7 @@ from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.screening.screening import Screening
 
 Array = NDArray[np.float64]
-ALIKE = 0.8
+SIMILAR = 0.8
 INVISIBLE = 0.02
 
 
@@ -53,12 +53,12 @@ def confounded(screening: Screening) -> list[dict[str, object]]:
     for index, first in enumerate(names):
         for second in names[index + 1 :]:
             cosine = beside.cosine(groups[first], groups[second])
-            if cosine > ALIKE:
+            if cosine > SIMILAR:
                 found.append({"effects": [first, second], "cosine": round(cosine, 3), "with": "each other"})
     return sorted(found, key=lambda row: -float(str(row["cosine"])))
 
 
-def alike(screening: Screening, name: str, least: float) -> list[str]:
+def similar(screening: Screening, name: str, least: float) -> list[str]:
     """Return the effects whose response has a cosine of at least ``least`` with that of ``name``, beside the base."""
     beside, base = _Beside(screening), len(screening.unknowns)
     groups = {one: [base + column for column in probe.columns] for one, (probe, _) in screening.best.items()}

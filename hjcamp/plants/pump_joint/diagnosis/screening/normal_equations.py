@@ -76,17 +76,17 @@ def project(
     own = products[:, :, columns[:, None], columns].reshape(-1, k * k)
     across = cross[..., columns].reshape(number, -1, k)
     squares = square.reshape(number, -1)
-    floor, counted = np.tile(least**2, tests), np.repeat(train, channels)
+    noise_floor, counted = np.tile(least**2, tests), np.repeat(train, channels)
     diagonal = np.arange(k)
     error, move = squares, np.zeros((number, k))
     for _ in range(rounds):
-        weight = counted / (error + floor)
+        weight = counted / (error + noise_floor)
         matrix = (weight @ own).reshape(number, k, k)
         matrix[:, diagonal, diagonal] = matrix[:, diagonal, diagonal] * (1.0 + 1e-6) + 1e-12
         move = _solved(matrix + stiff, -pull - (weight[:, None] @ across)[:, 0], positive)
         change = (move[:, :, None] * move[:, None]).reshape(number, -1) @ own.T
         error = np.maximum(squares + 2.0 * (across @ move[:, :, None])[:, :, 0] + change, 0.0)
-    loss = np.log(error + floor).reshape(number, tests, channels).sum(axis=2)
+    loss = np.log(error + noise_floor).reshape(number, tests, channels).sum(axis=2)
     return loss, move, error.reshape(square.shape)
 
 

@@ -99,8 +99,8 @@ def work_of(effect: type[Effect]) -> int:
 class Responses:
     """Collects response columns (columns, blocks, channels) about one fitted model."""
 
-    def __init__(self, fitter: Fitter, about: Fit, floor: Array, unknowns: Sequence[Unknown], jacobian: Array) -> None:
-        self.fitter, self.about, self.floor, self.unknowns = fitter, about, floor, unknowns
+    def __init__(self, fitter: Fitter, about: Fit, noise_floor: Array, unknowns: Sequence[Unknown], jacobian: Array) -> None:
+        self.fitter, self.about, self.noise_floor, self.unknowns = fitter, about, noise_floor, unknowns
         weights = np.sqrt(fitter.weights(about.mean_square))
         weights[:, :SMOOTH] = 0.0
         self.weights = weights
@@ -132,7 +132,7 @@ class Responses:
     def size(self, response: Array) -> float:
         """Return the size of a response over the floor, in the channel where it is largest; silent channels count nothing."""
         size = np.sqrt((response**2).sum(axis=0) / self.spoken)
-        return float(np.max(np.divide(size, self.floor, out=np.zeros_like(size), where=self.floor > 0.0)))
+        return float(np.max(np.divide(size, self.noise_floor, out=np.zeros_like(size), where=self.noise_floor > 0.0)))
 
     def probe(self, effect: type[Effect]) -> tuple[list[Probe], Array]:
         """Evaluate every shape of an effect: its probes and their response columns; invisible shapes are left out."""
@@ -181,7 +181,7 @@ class Responses:
 def probe_all(
     fitter: Fitter,
     about: Fit,
-    floor: Array,
+    noise_floor: Array,
     effects: Sequence[type[Effect]],
     unknowns: Sequence[Unknown],
     jacobian: Array,
@@ -190,7 +190,7 @@ def probe_all(
 
     ``jacobian`` (unknowns, blocks, channels) are the responses of the unknowns already in the model.
     """
-    responses = Responses(fitter, about, floor, unknowns, jacobian)
+    responses = Responses(fitter, about, noise_floor, unknowns, jacobian)
     probes: list[Probe] = []
     columns = [np.zeros((0, *about.features.shape))]
     longest_first = sorted(effects, key=work_of, reverse=True)

@@ -43,7 +43,7 @@ class Screening:
     """
 
     about: Fit
-    floor: Array
+    noise_floor: Array
     probes: list[Probe]
     gram: Gram
     known: Known
@@ -151,7 +151,7 @@ def with_static_friction(candidate: Candidate) -> Candidate | None:
 
 
 def _screen_about(fitter: Fitter, about: Fit, effects: Sequence[type[Effect]], names: Collection[str] | None) -> Screening:
-    floor = fitter.features.floor(about.features)
+    noise_floor = fitter.features.noise_floor(about.features)
     here = base_unknowns()
     for effect in effects:
         if effect.name in about.candidate.effects:
@@ -160,14 +160,14 @@ def _screen_about(fitter: Fitter, about: Fit, effects: Sequence[type[Effect]], n
     wanted = {effect.name for effect in effects} if names is None else set(names)
     left = [effect for effect in effects if effect.name in wanted - set(about.candidate.effects)]
     jacobian = fitter.jacobian(about, here)
-    probes, columns = probe_all(fitter, about, floor, left, here, jacobian)
+    probes, columns = probe_all(fitter, about, noise_floor, left, here, jacobian)
     gram = Gram.of(np.concatenate([jacobian, columns]), fitter.features, fitter.least)
-    screening = Screening(about, floor, probes, gram, known, {}, here)
+    screening = Screening(about, noise_floor, probes, gram, known, {}, here)
     gains, coefficients = all_gains(gram, about.features, known, screening.groups)
     found = by_gain(probes, gains, coefficients)
     visible = {effect.name: found[effect.name][0][2] if effect.name in found else 0.0 for effect in left}
     ranked = {name: [(probe, coefficient) for probe, coefficient, _ in rows] for name, rows in found.items()}
-    return Screening(about, floor, probes, gram, known, visible, here, ranked)
+    return Screening(about, noise_floor, probes, gram, known, visible, here, ranked)
 
 
 def started(screening: Screening, effect: type[Effect], factor: float = 1.0, rank: int = 0) -> Candidate:

@@ -12,7 +12,7 @@ from hjcamp.plants.pump_joint.diagnosis.bootstrap.null_distribution import Null
 from hjcamp.plants.pump_joint.diagnosis.fitting.gauss_newton import Fit, Fitter
 from hjcamp.plants.pump_joint.diagnosis.fitting.pattern_search import settle
 from hjcamp.plants.pump_joint.diagnosis.levels import CERTAIN, chance
-from hjcamp.plants.pump_joint.diagnosis.screening.detectable import alike
+from hjcamp.plants.pump_joint.diagnosis.screening.detectable import similar
 from hjcamp.plants.pump_joint.diagnosis.screening.responses import work_of
 from hjcamp.plants.pump_joint.diagnosis.screening.screening import (
     WORTH,
@@ -54,7 +54,7 @@ class StepFitter:
         share = 0.25 + 0.8 * number / (self.work.forward + 1)
         fits = self._survivors(screening, ranked[: self.work.survivors], share, enough)
         best = min(fits, key=lambda name: fits[name].loss)
-        rivals = dict.fromkeys([*alike(screening, best, SAME), *same_as(self.effects, best)])
+        rivals = dict.fromkeys([*similar(screening, best, SAME), *same_as(self.effects, best)])
         self._fit(screening, [name for name in rivals if name in screening.ranked and name not in fits], fits, share + 0.1)
         self._settle(screening, fits)
         best = min(fits, key=lambda name: fits[name].loss)

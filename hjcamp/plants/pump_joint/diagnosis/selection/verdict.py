@@ -109,8 +109,8 @@ def weighed(found: Sequence[tuple[str, list[str]]]) -> Verdict:
 def _foreign(features: Features, null: Null, final: Fit) -> str:
     """Return the driver that no base parameter knows of on which the error depends more than in any twin, or nothing."""
     seen = foreign_shares(features, [final.features])[0]
-    twins = foreign_shares(features, null.residuals) if max(seen.values()) > SHARE else []
-    over = {driver: share - max([SHARE, *(twin[driver] for twin in twins)]) for driver, share in seen.items()}
+    replicates = foreign_shares(features, null.residuals) if max(seen.values()) > SHARE else []
+    over = {driver: share - max([SHARE, *(copied[driver] for copied in replicates)]) for driver, share in seen.items()}
     driver = max(over, key=lambda name: over[name])
     return driver if over[driver] > 0 else ""
 

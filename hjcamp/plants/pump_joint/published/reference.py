@@ -1,4 +1,4 @@
-"""What stands beside the tests of a report: printed values, where a test differs from theirs, the refitted means."""
+"""What stands next to the tests of a report: printed values, where a test differs from theirs, the refitted means."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hjcamp.plants.pump_joint.published.values import CAMPAIGNS, CONDITION, MEAS
 if TYPE_CHECKING:
     from hjcamp.report.tables.sheet import Sheet
 
-__all__ = ["CAMPAIGNS", "CONDITION", "MEASURED_WITH", "beside_refit", "cell_key", "published_cells", "standing"]
+__all__ = ["CAMPAIGNS", "CONDITION", "MEASURED_WITH", "against_refit", "cell_key", "published_cells", "standing"]
 
 
 def standing(config: Mapping[str, Any], cell: tuple[str, ...]) -> list[dict[str, str]]:
@@ -22,8 +22,8 @@ def standing(config: Mapping[str, Any], cell: tuple[str, ...]) -> list[dict[str,
     return configurations.standing(config, cell)
 
 
-def beside_refit(conditions: pl.DataFrame) -> Sheet | None:
-    """Return conditions beside the refitted means; None where nothing compares."""
+def against_refit(conditions: pl.DataFrame) -> Sheet | None:
+    """Return conditions next to the refitted means; None where nothing compares."""
     from hjcamp.plants.pump_joint.published import refitted
 
-    return refitted.beside_refit(conditions)
+    return refitted.against_refit(conditions)

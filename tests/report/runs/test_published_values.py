@@ -72,6 +72,6 @@ def test_the_printed_deviation_divides_by_n() -> None:
 
 
 def test_the_committed_list_is_the_one_that_is_found() -> None:
-    committed = Path(__file__).parents[2] / "docs" / "published_inconsistencies.md"
+    committed = Path(__file__).parents[3] / "docs" / "published_inconsistencies.md"
     assert committed.read_text(encoding="utf-8") == consistency.inconsistencies_text()
     assert len(consistency.print_inconsistencies()) == 3

@@ -37,11 +37,11 @@ def estimate(name: str, effect: str = "") -> Estimate:
 
 
 def test_the_table_says_value_interval_and_what_is_hardly_told_apart() -> None:
-    alike = np.array([[1.0, -0.97, 0.001], [-0.97, 1.0, 0.0], [0.001, 0.0, 1.0]])
-    rows = known_rows([estimate("one"), estimate("two"), estimate("low")], alike)
+    similar = np.array([[1.0, -0.97, 0.001], [-0.97, 1.0, 0.0], [0.001, 0.0, 1.0]])
+    rows = known_rows([estimate("one"), estimate("two"), estimate("low")], similar)
     assert rows[0] == ["one", "2.0 mm", "1.0 to 3.0", "two", "-0.97", "hardly distinguishable"]
     assert rows[2][-2:] == ["0", "at its bound"]
-    assert alike[0, 0] == 1.0
+    assert similar[0, 0] == 1.0
 
 
 def test_where_room_is_short_effects_come_first_then_what_is_most_alike() -> None:

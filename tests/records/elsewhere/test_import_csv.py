@@ -94,7 +94,7 @@ cli.run(["import", *sys.argv[1:]])
 def test_what_a_killed_import_left_goes_with_the_next(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     source, rules = write_case(tmp_path, table(1000))
     words = [str(source), "--map", str(rules)]
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
     subprocess.run([sys.executable, "-c", KILLED, *words], env=environment, check=False)
     assert [path.name for path in tmp_path.glob("bench.mcap*")] == ["bench.mcap.part"]
     for left in (True, False):

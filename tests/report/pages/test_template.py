@@ -12,7 +12,7 @@ from hjcamp.errors import UsageError
 from hjcamp.report.build import build_report
 from hjcamp.report.pages.page import Picture, build_page
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 EXAMPLE = re.findall(r"```jinja\n(.*?)```", (ROOT / "docs" / "templates.md").read_text(encoding="utf-8"), re.DOTALL)[0]
 
 

@@ -44,7 +44,7 @@ def conditions(measured):
 
 
 def test_each_condition_stands_with_its_three_values(shipped):
-    sheet = refitted.beside_refit(conditions(1.8))
+    sheet = refitted.against_refit(conditions(1.8))
     [row] = sheet.rows
     assert [cell.text for cell in row] == [
         "mixed__pid",
@@ -62,14 +62,14 @@ def test_each_condition_stands_with_its_three_values(shipped):
 
 
 def test_why_is_said_in_the_numbers_of_the_fit_and_of_the_run(shipped):
-    why = refitted.beside_refit(conditions(1.8)).notes[1]
+    why = refitted.against_refit(conditions(1.8)).notes[1]
     assert "1.4 times Coulomb friction" in why and "viscous friction of 24 N s/m" in why
     assert "117 N s/m and 0.47 of the feedforward" in why
     assert "off by 18.20 deg on average as printed and by 0.20 deg refitted, which is nearer in 1 of 1 conditions." in why
 
 
 def test_the_terminal_shows_the_first_indicator_in_three_columns(shipped):
-    table = refitted_table(refitted.beside_refit(conditions(1.8))).sheet
+    table = refitted_table(refitted.against_refit(conditions(1.8))).sheet
     assert table.headers == ["condition", "RMSE1 as printed", "refitted", "measured"]
     assert [[cell.text for cell in row] for row in table.rows] == [["mixed__pid", "20.00", "2.00", "1.8"]]
 
@@ -78,7 +78,7 @@ def test_the_picture_of_all_conditions_comes_before_the_table(shipped):
     """The report begins with the dot plot (a picture first)."""
     page = "".join(
         build_page(title="a", facts=[], verdict="", overview='<svg viewBox="0 0 9 9"></svg>', sheets=[], pictures={}, origin=[],
-                   command="", configuration="", beside=refitted.beside_refit(conditions(1.8)),
+                   command="", configuration="", open_sheet=refitted.against_refit(conditions(1.8)),
                    further={"Gain of output over input": ('<svg viewBox="0 0 9 9"></svg>', "-3 dB at 20.7 Hz")})
     )  # fmt: skip
     # what the campaign is for comes before what every campaign has
@@ -88,10 +88,10 @@ def test_the_picture_of_all_conditions_comes_before_the_table(shipped):
 
 
 def test_nothing_stands_beside_what_was_not_measured_or_not_refitted(shipped, tmp_path, monkeypatch):
-    assert refitted.beside_refit(conditions(None)) is None
+    assert refitted.against_refit(conditions(None)) is None
     monkeypatch.setattr(refitted, "VALUES", tmp_path / "none.json")
     refitted.refitted_means.cache_clear()
-    assert refitted.beside_refit(conditions(1.8)) is None
+    assert refitted.against_refit(conditions(1.8)) is None
 
 
 def test_one_repetition_is_read_alone_and_one_that_is_not_there_is_refused(tmp_path):
