@@ -126,9 +126,7 @@ def write_comparison(found: PlantComparison, folder: Path, following: Sequence[s
         *_stretch(analysis, errors, errors[found.calibrated.name]),
         observed=observed(test.log for test in layout.measured.tests),
     )
-    head, rows = comparison_table(found)
-    last = found.models[-1]
-    whole = whole_table(found)
+    (head, rows), whole, last = comparison_table(found), whole_table(found), found.models[-1]
     of_whole = [page.heading("Whole tests"), page.table_of(*whole), page.note(said.WHOLE_NOTE)] if whole else []
     again = "with each test" if layout.memory else f"again every {plain(layout.width * layout.measured.period)} s"
     parts = [

@@ -332,7 +332,7 @@ def test_a_group_beside_a_free_law_is_told_how_to_go_on(monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize(
-    ("augmented", "floor", "law_left", "said"),
+    ("augmented", "noise_floor", "law_left", "said"),
     [
         (0.8, 0.1, 0.0, "level errs by 0.8 V instead of 1 V, 8 times its own noise (third differences)"),
         (0.5, 0.1, 0.0, "level still errs by 0.5 V, 5 times its own noise (third differences)"),

@@ -131,7 +131,8 @@ def test_a_model_that_ran_away_has_no_column_and_nothing_repeated_no_floor() -> 
 
 
 @pytest.mark.parametrize(
-    ("rms", "floor", "there"), [(0.0, 0.1, False), (0.004, 0.1, False), (0.1, 0.1, True), (0.0, None, False), (0.2, None, True)]
+    ("rms", "noise_floor", "there"),
+    [(0.0, 0.1, False), (0.004, 0.1, False), (0.1, 0.1, True), (0.0, None, False), (0.2, None, True)],
 )
 def test_a_first_reading_that_no_model_misses_has_no_row(rms: float, noise_floor: float | None, there: bool) -> None:
     errors = {name: ChannelError(1.0, 0.5, 0.9) for name in ("arm_deg", "pressure1_mpa")}

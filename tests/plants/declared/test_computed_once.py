@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import ROTOR
+from plant_texts import ROTOR
 from two_contacts import FREE_PENDULUM, FREE_SPRING
 
 from hjcamp.effects import library_of

@@ -12,7 +12,7 @@ from hjcamp.plants.pump_joint.published import refitted
 from hjcamp.plants.pump_joint.published.values import cell_key
 from hjcamp.plants.pump_joint.tables.page import PICTURE, page
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 ANSWER = json.loads((ROOT / "docs" / "thesis_gap.json").read_text(encoding="utf-8"))
 
 

@@ -15,7 +15,7 @@ from hjcamp.backends.rig.fault import RigFault
 from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 from hjcamp.plants.pump_joint.virtual_rig.faults import parse_fault
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 def test_the_first_command_of_the_page_comes_to_its_end(device: VirtualDevice, capsys: pytest.CaptureFixture[str]) -> None:

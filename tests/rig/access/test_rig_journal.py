@@ -126,7 +126,7 @@ def test_missed_samples_repeat_the_row_before(tmp_path: Path) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="kill -9")
 def test_kill_costs_at_most_200_ms(tmp_path: Path) -> None:
     path = tmp_path / "rep_01.mcap"
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
     process = subprocess.Popen([sys.executable, "-c", KILLED, str(path)], stdout=subprocess.PIPE, text=True, env=environment)
     assert process.stdout is not None
     last = 0
