@@ -23,8 +23,8 @@ from hjcamp.commands.any_plant.remaining_words import false_claims, least, most_
 from hjcamp.commands.any_plant.telling_words import telling_tests
 from hjcamp.commands.any_plant.words import (
     bound_word,
-    end_words,
     divergence_words,
+    end_words,
     still_words,
 )
 from hjcamp.diagnosis.levels import LEVEL
@@ -172,14 +172,14 @@ class Words:
             found.append(
                 f"{with_article(described_term(first), begins=True)}, as a non-parametric term, predicts better than any "
                 "effect of the library: "
-                f"it leaves {100.0 * left_of(first):.0f} % of {share_of(first, self.analysis.noise_floor.source)}. Its curve is on the page, "
-                "and holds with the parameters in the column 'with what was found'."
+                f"it leaves {100.0 * left_of(first):.0f} % of {share_of(first, self.analysis.noise_floor.source)}. "
+                "Its curve is on the page, and holds with the parameters in the column 'with what was found'."
             )
             found += over_time_words(first, self.analysis.measured.repeated, verdict.p_value)
         if beyond_names := self.content["follows_motion"]["beside_law"]:
             found.append(
-                f"A regression on current motion and inputs still predicts {100.0 * beyond_names:.0f} % of the remaining error (held-out "
-                "blocks): something else is missing as well, or it depends on the past."
+                f"A regression on current motion and inputs still predicts {100.0 * beyond_names:.0f} % of the remaining error "
+                "(held-out blocks): something else is missing as well, or it depends on the past."
             )
         if self.content["swings"]:
             found.append(swing_words(self.content["swings"]))
@@ -232,7 +232,8 @@ class Words:
             left = 100.0 * min(verdict.law_left, 1.0)
             if first and self.beyond_names:
                 found.append(
-                    f"Something outside the library is missing as well: in addition to what was found, {with_article(described_term(first))} "
+                    "Something outside the library is missing as well: in addition to what was found, "
+                    f"{with_article(described_term(first))} "
                     f"explains the last {left:.0f} % of the error that can be explained. Its curve is on the page."
                 )
             else:
@@ -322,23 +323,15 @@ class Words:
         own = "" if model == "published" else f" --model {model}"
         # no law of an effect can know a course of its own in each condition
         curve = bool(self.content["unknowns"]) and not self.content["unknowns"][0]["apart_s"]
-        beyond_names = (
-            [f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing in addition"]
-            if curve and self.beyond_names
-            else []
-        )
+        law = f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing in addition"
+        further = [law] if curve and self.beyond_names else []
         if self.verdict.word == "effect":
             added, named = " ".join(self.verdict.effects), "_and_".join(self.verdict.effects)
-            return [f"hjcamp add {added} {paths}{own} --as with_{named}", *beyond_names]
+            return [f"hjcamp add {added} {paths}{own} --as with_{named}", *further]
         if self.verdict.word == "one_of":
-            return (
-                [f"hjcamp next {paths}{own}"]
-                + [
-                    f"hjcamp add {' '.join(one)} {paths}{own} --as with_{'_and_'.join(one)}"
-                    for one in self.verdict.confidence_set[:2]
-                ]
-                + beyond_names
-            )
+            sets = self.verdict.confidence_set[:2]
+            adds = [f"hjcamp add {' '.join(one)} {paths}{own} --as with_{'_and_'.join(one)}" for one in sets]
+            return [f"hjcamp next {paths}{own}", *adds, *further]
         if self.verdict.word == "outside_library":
             if self.content["by_condition"] and not self.content["unknowns"]:
                 return ["hjcamp calibrate LOGS_OF_ONE --as NAME   # each specimen or condition by itself"]

@@ -31,7 +31,7 @@ def summary_table(indicators: pl.DataFrame, against: str | None = "published") -
 
 
 def refitted_table(sheet: Sheet) -> FittedSheet:
-    """Return the first indicator of `beside_refit` in three columns, as printed, refitted and measured."""
+    """Return the first indicator of `against_refit` in three columns, as printed, refitted and measured."""
     headers = [sheet.headers[0], f"{sheet.headers[1]} as printed", "refitted", "measured"]
     return FittedSheet(Sheet(sheet.name, sheet.title, "", headers, [row[:4] for row in sheet.rows], []))
 
