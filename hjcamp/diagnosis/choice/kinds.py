@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
-from hjcamp.diagnosis.data.repeatability import NoiseFloor, noise_floor_of
-from hjcamp.diagnosis.data.segments import Layout
+from hjcamp.diagnosis.data.repeatability import Repeatability, repeatability_of
 from hjcamp.diagnosis.estimation.gauss_newton import fit
 from hjcamp.diagnosis.residuals.balances import Balances
 from hjcamp.diagnosis.residuals.windows import Windows
@@ -43,7 +42,7 @@ class Judged:
 
     search: Search
     base: Scored
-    repeatability: NoiseFloor
+    repeatability: Repeatability
     channels: tuple[slice, ...]
 
 
@@ -52,40 +51,27 @@ def judged(analysis: Analysis) -> Judged:
     search, base, windows = analysis.search, analysis.base, analysis.windows
     layout = windows.layout
     widths = [layout.basis.shape[1]] * len(layout.measured.sensors)
-    predicted = sum(widths)
     windows.place = base.place
     candidate = base.fitted.candidate
     plain = candidate.without(windows.forms)
-    balances = Balances.of(layout, windows.kernels, plain, windows.readings(candidate)[1], search.blocks)
+    balances = Balances.of(layout, windows.kernels, plain, windows.readings(candidate), search.blocks)
     if balances is None:
-        return Judged(search, base, analysis.noise_floor, _slices(widths))
+        channels = _slices(widths)
+        return Judged(search, base, repeatability_of(layout, base.fitted.features, channels), channels)
     own = copy.copy(search)
     own.windows, own.steps = replace(windows, balances=balances), []
     own.windows.place = base.place
     found = _base(own, base, balances)
     own.windows.place = found.place
     widths += [one.features for one in balances.balanced]
-    return Judged(own, found, _repeatability(layout, found.fitted.features, predicted), _slices(widths))
+    channels = _slices(widths)
+    return Judged(own, found, repeatability_of(layout, found.fitted.features, channels), channels)
 
 
 def _slices(widths: Sequence[int]) -> tuple[slice, ...]:
     """Return where channels of these widths stand, one behind the other."""
     ends = list(itertools.accumulate(widths, initial=0))
     return tuple(slice(low, high) for low, high in itertools.pairwise(ends))
-
-
-def _repeatability(layout: Layout, features: Array, predicted: int) -> NoiseFloor:
-    """Return what cannot be explained of features (windows, d), of which the first are ``predicted`` and the others balances.
-
-    Without repetitions nothing but the sensors' noise is known of balances: they add up over blocks, whatever the motion of a window.
-    """
-    whole = noise_floor_of(layout, features)
-    if whole.source == "repetitions":
-        return whole
-    own = noise_floor_of(layout, features[:, :predicted])
-    moments = 2.0 * np.eye(features.shape[1])
-    moments[:predicted, :predicted] = own.moments
-    return NoiseFloor(own.source, moments, own.usual)
 
 
 def _base(search: Search, base: Scored, balances: Balances) -> Scored:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -17,9 +17,11 @@ from hjcamp.diagnosis.candidates.equivalence import equivalent_laws
 from hjcamp.diagnosis.choice.comparison_of_models import confidence_set, nested_choice, not_worse
 from hjcamp.diagnosis.choice.kinds import judged
 from hjcamp.diagnosis.choice.subsets import Blocks, Column, Ranked, best_settings, kept_by_blocks, pairs_of
+from hjcamp.diagnosis.estimation.likelihood import size
 from hjcamp.diagnosis.screening.screening import Probe, Projection
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.diagnosis.validation.blocks import advantages, chance_of_t, discrimination, ratio_t
+from hjcamp.diagnosis.validation.kernel_regression import regression_of
 from hjcamp.model.declare.candidate import Candidate
 
 Array = NDArray[np.float64]
@@ -30,6 +32,8 @@ SETTINGS, FEW = 2, 2
 FUNCTIONS, NAMES = 3, 5
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
 ONE_OR_OUTSIDE = "one_of_or_outside"
+# What follows from the motion by no law at all, as a model's name.
+MOTION = "anything_over_the_motion"
 
 
 @dataclass(frozen=True)
@@ -71,6 +75,7 @@ class Page:
         if what_lacks(self.analysis.measured, self.layout):
             return Chosen(CANNOT_TELL, (), ((),), 1.0, 0.0, math.inf, len(self.names), 0)
         kept = self.kept()
+        kept += [(one, set(range(len(self.names)))) for one in self.lawless([one for one, _ in kept])]
         models = [one for one, _ in kept]
         nested = self.nested(kept)
         p, gain, upper = self.gate(nested)
@@ -190,6 +195,21 @@ class Page:
         self.search.windows.place = fits[0].place
         return self.search.fitted(begun)
 
+    def lawless(self, models: Sequence[Scored]) -> list[Scored]:
+        """Return the base and the best model of names, each with a regression on the motion of what it leaves of blocks left out.
+
+        What they say of a block rests on the others. A model that leaves more than they do is not all that is missing.
+        """
+        named = sorted((one for one in models if not self.level(one) % 2), key=lambda one: one.left_out)[:1]
+        found = []
+        for one in (self.base, *named):
+            regression = regression_of(self.layout, one.features, self.blocks, self.layout.readings)
+            features = one.features.copy()
+            features[regression.rows] = regression.features
+            fitted = replace(one.fitted, features=features)
+            found.append(replace(one, names=(*one.names, MOTION), fitted=fitted, features=features, left_out=size(features)))
+        return found
+
     # -- decision
 
     def errors(self, features: Array) -> Array:
@@ -200,18 +220,19 @@ class Page:
         """Return the means (..., channels) of numbers (..., d) over the features of each channel: of a sensor, of a balance."""
         return np.stack([squares[..., one].mean(axis=-1) for one in self.channels], axis=-1)
 
+    def above(self, features: Array) -> Array:
+        """Return the mean square of features (windows, d) above repeatability (channels,)."""
+        return np.asarray(np.maximum(self.errors(features) - self.repeatability.squares, 0.0))
+
     @cached_property
     def excess(self) -> Array:
-        """The base's mean square above repeatability (channels,), no less than a share delta of all of it."""
-        whole = self.errors(self.base.features)
-        least = self.by_channel(np.maximum(np.diag(self.repeatability.moments) - 1.0, 0.0))
-        return np.asarray(np.maximum(whole - least, self.delta * whole))
+        """The base's mean square above repeatability (channels,), and as much as that is unsure."""
+        return self.above(self.base.features) + self.repeatability.unsure
 
     def share(self, features: Array, before: Array | None = None) -> float:
         """Return which share of the error above repeatability features (windows, d) explain beyond others, in the best channel."""
-        return float(
-            np.max((self.errors(self.base.features if before is None else before) - self.errors(features)) / self.excess)
-        )
+        other = self.base.features if before is None else before
+        return float(np.max((self.above(other) - self.above(features)) / self.excess))
 
     def nested(self, kept: Sequence[tuple[Scored, set[int]]]) -> tuple[Array, Array]:
         """Return the features (windows, d) of the nested choice, on blocks left out and as fitted."""
@@ -266,8 +287,10 @@ class Page:
         return [models[k] for k in confidence_set(advantage, apart, self.alpha, self.search.seed)]
 
     def level(self, model: Scored) -> int:
-        """Return how simple a model is: one name 0, one free function 1, two names 2, name and free function 3."""
+        """Return how simple a model is: one name 0, one free function 1, two names 2, name and free function 3, no law 5."""
         names = model.beyond(self.base)
+        if MOTION in names:
+            return 5
         free = any(name in self.search.unknowns for name in names)
         return (1 if free else 0) + (2 if len(names) > 1 else 0)
 
@@ -275,7 +298,7 @@ class Page:
         """Return the word, the effects, and the sets of the simplest models that err as little as the best."""
         if not left:
             return OUTSIDE, (), ()
-        within = [left[k] for k in not_worse([self.errors(one.features) / self.excess for one in left], self.delta)]
+        within = [left[k] for k in not_worse([self.above(one.features) / self.excess for one in left], self.delta)]
         if not within:  # each errs least in another sensor
             free = all(self.level(one) % 2 for one in left)
             return (OUTSIDE if free else CANNOT_TELL), (), tuple(one.beyond(self.base) for one in left)

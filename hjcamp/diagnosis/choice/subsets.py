@@ -58,6 +58,8 @@ class Blocks:
         moments = np.stack([whole[blocks == one].T @ whole[blocks == one] for one in names])
         self.counts = np.array([np.sum(blocks == one) for one in names])
         total = moments.sum(axis=0)
+        # what the base leaves of a column by no more than rounding is nothing of its own
+        self._least = np.maximum(ROUNDING * np.diag(total)[p:], 1e-300)
         # on the other blocks, and on the block itself, after the base has been refitted on the others
         self.others, self.own = [], []
         for one in moments:
@@ -86,7 +88,7 @@ class Blocks:
         scores, negative = np.empty((len(rows), len(self.own))), np.zeros(rows.shape)
         for b, (others, own) in enumerate(zip(self.others, self.own, strict=True)):
             inner = others[rows[:, :, None], rows[:, None, :]] + self._known[rows][:, :, None] * np.eye(rows.shape[1])
-            scale = np.sqrt(np.maximum(np.einsum("skk->sk", inner), 1e-300))
+            scale = np.sqrt(np.maximum(np.einsum("skk->sk", inner), self._least[rows]))
             correlation = inner / (scale[:, :, None] * scale[:, None, :]) + ROUNDING * np.eye(rows.shape[1])
             theta = -np.linalg.solve(correlation, (others[rows, 0] / scale)[:, :, None])[:, :, 0] / scale
             negative += theta < 0.0

@@ -62,18 +62,21 @@ def unknown_repeatability(sensors: int) -> Repeatability:
     return Repeatability(np.zeros(sensors), np.ones(sensors))
 
 
-def repeatability_of(layout: Layout, features: Array) -> Repeatability:
+def repeatability_of(layout: Layout, features: Array, channels: Sequence[slice] | None = None) -> Repeatability:
     """Return the repeatability by features (windows, d) of a calibrated model, no less than the sensors' noise.
 
-    It is unsure by its one-sided interval at the level of all claims, over windows, and by the share of it that matters.
+    It is unsure by its one-sided interval at the level of all claims, over windows, and by the share of it that matters. ``channels``
+    are the features of each, in equal parts those of the sensors without them.
     """
     from scipy.special import stdtrit
 
     repeated = _of_repetitions(layout, features)
-    sensors = len(layout.measured.sensors)
+    if channels is None:
+        width = features.shape[1] // len(layout.measured.sensors)
+        channels = [slice(low, low + width) for low in range(0, features.shape[1], width)]
     if repeated is None:
-        return unknown_repeatability(sensors)
-    each = (repeated**2).reshape(len(repeated), sensors, -1).mean(axis=2)
+        return unknown_repeatability(len(channels))
+    each = np.stack([(repeated[:, one] ** 2).mean(axis=1) for one in channels], axis=1)
     squares = np.maximum(each.mean(axis=0), 1.0)
     half = stdtrit(len(each) - 1, 1.0 - LEVEL) * each.std(axis=0, ddof=1) / math.sqrt(len(each))
     return Repeatability(squares, np.maximum(half, MATTERS * squares))

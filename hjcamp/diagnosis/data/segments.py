@@ -104,6 +104,17 @@ class Layout:
             parts.append(cut.reshape(-1, *one.shape[1:]))
         return np.concatenate(parts)
 
+    def apart_again(self, joined: Array) -> list[Array]:
+        """Return the readings of each test (samples, sensors), with these (n, sensors) in the windows that are looked at."""
+        found, low = [], 0
+        for test, seen in zip(self.measured.tests, self.of_each, strict=True):
+            rows = np.flatnonzero(np.repeat(seen, self.width))
+            own = test.readings.copy()
+            own[rows] = joined[low : low + len(rows)]
+            found.append(own)
+            low += len(rows)
+        return found
+
     def condensed(self) -> tuple[MeasuredTest, ...]:
         """Return the tests with nothing but the windows that are looked at, one after the other."""
         if self.share >= 1.0:

@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 
 from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.data.tests import Measured
-from hjcamp.diagnosis.residuals.initial_states import erring_sensors, estimated, rate_of, shown_by
+from hjcamp.diagnosis.residuals.initial_states import best_sensors, estimated, on_sensors, rate_of, shown_by
 from hjcamp.diagnosis.residuals.kernels import Kernels
+from hjcamp.diagnosis.residuals.simulated import Predicted
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.language.vocabulary import read_vocabulary
@@ -32,12 +33,10 @@ from hjcamp.model.run.rates import Along, Course
 Array = NDArray[np.float64]
 # Test functions of a window: Legendre polynomials of these orders, and in samples how long they rise from nothing at its ends.
 ORDERS, RISE = 4, 6
-# Draws of the sensors' noise by which the noise of a balance is found.
-DRAWS = 6
+# Draws of the sensors' noise by which the noise of a balance is found, and what it is where nothing is missing.
+DRAWS = 12
 # A stretch of a window shorter than this (samples) has no balance: its test functions would hardly differ.
 SHORTEST = 4 * RISE
-# How often the true state is renewed where a sensor errs: a gain of 1 + g is inverted to g^3.
-RENEWED = 3
 
 
 @dataclass(frozen=True)
@@ -65,13 +64,17 @@ class Balances:
     blocks: NDArray[np.int64]
     balanced: tuple[Balance, ...] = ()
     scale: Array = field(default_factory=lambda: np.ones(1))
+    usual: Array = field(default_factory=lambda: np.zeros(1))
 
     @classmethod
-    def of(cls, layout: Layout, kernels: Kernels, base: Candidate, filled: Array, blocks: NDArray[np.int64]) -> Balances | None:
+    def of(
+        cls, layout: Layout, kernels: Kernels, base: Candidate, predicted: tuple[Array, Array], blocks: NDArray[np.int64]
+    ) -> Balances | None:
         """Return those that the measured states allow, None without any.
 
-        ``filled`` (n, states) has a prediction where nothing is measured; ``blocks`` (windows,) are left out by turns.
+        ``predicted`` are the readings (n, sensors) and states (n, states) of the ``base``; ``blocks`` (windows,) are left out by turns.
         """
+        filled = predicted[1]
         states = _known(layout, layout.measured)
         seen = np.asarray(np.isfinite(states).all(axis=0))
         moving = _sides(layout, states)
@@ -79,12 +82,13 @@ class Balances:
         found.balanced = tuple(found._able(base, seen))
         if not found.balanced:
             return None
-        found.scale = found._noise(base)
+        found.usual, found.scale = found._chance(base, predicted)
         return found
 
-    def features(self, candidate: Candidate) -> Array:
-        """Return the balances (windows, features) in units of their noise."""
-        return np.asarray(self._raw(candidate, self.states) / self.scale)
+    def features(self, candidate: Candidate, predicted: Predicted | None = None) -> Array:
+        """Return the balances (windows, features) less what they are where nothing is missing, in units of their noise."""
+        raw = self._raw(candidate, self.states) - self.usual
+        return np.asarray((raw - self._of_sensors(candidate, predicted) if predicted else raw) / self.scale)
 
     def _able(self, base: Candidate, seen: NDArray[np.bool_]) -> list[Balance]:
         """Return the states that can be balanced: measured, of which the rate is an equation of measured states alone."""
@@ -132,48 +136,39 @@ class Balances:
     def _direction(self) -> Array:
         return np.asarray(self.moving @ (3.0 ** np.arange(self.moving.shape[1])))
 
-    def _true(self, candidate: Candidate, states: Array) -> Array:
-        """Return the states (n, states) without what a candidate's sensors err by (effects without a memory of their own)."""
+    def _of_sensors(self, candidate: Candidate, predicted: Predicted) -> Array | float:
+        """Return what the balances (windows, features) are by what a candidate's sensors err by, with a memory or without.
+
+        It is that of the predicted states as these sensors show them, less that of these states: the noise stays what it is.
+        """
         layout = self.layout
         plant: Any = layout.measured.plant
-        erring = erring_sensors(plant, {name: self.kernels.effects[name] for name in candidate.effects})
-        if not erring:
-            return states
-        plain, names, found = candidate.without(set().union(*erring.values())), list(plant.states), states
-        for _ in range(RENEWED):
-            wrong, right = (self._along(one, found).readings for one in (candidate, plain))
-            found = states.copy()
-            for shown in erring:
-                column, of = list(plant.measured).index(shown), plant.measured[shown].of
-                error = (wrong[:, column] - right[:, column]) / shown_by(plant, shown)[1]
-                error = np.where(np.isfinite(error), error, 0.0)
-                found[:, names.index(of)] -= error
-                above = next((rate for rate, one in rate_of(plant).items() if one == of), "")
-                if above:
-                    found[:, names.index(above)] -= self._slope(error)
-        return found
-
-    def _slope(self, values: Array) -> Array:
-        """Return the rate (n,) of values (n,), within windows that follow one another."""
-        width = self.layout.width
-        begins = np.flatnonzero(self.layout.fresh) * width
-        found = np.zeros_like(values)
-        for low, high in zip(begins, [*begins[1:], len(values)], strict=True):
-            found[low:high] = np.gradient(values[low:high], self.layout.measured.period)
-        return found
+        effects = [self.kernels.effects[name] for name in candidate.effects]
+        names = {one.name for one in on_sensors(plant, effects)}
+        if not names:
+            return 0.0
+        plain, shown = candidate.without(names), predicted.states.copy()
+        right = self._along(plain, predicted.states).readings
+        for of, k in best_sensors(layout.measured).items():
+            field = layout.measured.sensors[k].field
+            error = (predicted.readings[:, k] - right[:, list(plant.measured).index(field)]) / shown_by(plant, field)[1]
+            shown[:, list(plant.states).index(of)] += error
+            above = next((rate for rate, one in rate_of(plant).items() if one == of), "")
+            if above:
+                slope = np.asarray(np.gradient(error.reshape(-1, layout.width), layout.measured.period, axis=1))
+                shown[:, list(plant.states).index(above)] += slope.ravel()
+        return self._raw(plain, shown) - self._raw(plain, predicted.states)
 
     def _raw(self, candidate: Candidate, states: Array) -> Array:
         """Return the balances (windows, features) at states (n, states), each in the unit of its state."""
-        true = self._true(candidate, states)
-        along, period = self._along(candidate, true), self.layout.measured.period
+        along, period = self._along(candidate, states), self.layout.measured.period
         parts = []
         for one in self.balanced:
-            x = true[:, one.state]
-            shown = _gain(states[:, one.state], x)
+            x = states[:, one.state]
             # what was gained in each sample beyond what the rate gives, 0 where nothing follows
             rate = along.before[:, one.state].copy()
             rate[:-1] += along.after[:-1, one.state]
-            gained = shown * (np.append(np.diff(x), 0.0) - 0.5 * period * rate)
+            gained = np.append(np.diff(x), 0.0) - 0.5 * period * rate
             gained[self._last] = 0.0
             parts.append(np.einsum("wt,wtj->wj", gained.reshape(-1, self.layout.width), self._tests[one.name]))
             if one.whole:
@@ -208,32 +203,33 @@ class Balances:
             found[one.name] = np.stack([_test_functions(row) for row in use])
         return found
 
-    def _noise(self, base: Candidate) -> Array:
-        """Return the standard deviation of each feature by the sensors' noise: the median of windows, over draws."""
-        generator = np.random.default_rng(1)
-        measured = self.layout.measured
-        noise = measured.noise
-        before, squares = self._raw(base, self.states), []
+    def _chance(self, base: Candidate, predicted: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Return what the balances (windows, features) of a model are by how states are estimated, and their noise (features,).
+
+        Readings as the base predicts them get noise, are counted as the sensors count, and go through the same chain (indirect
+        inference: Gourieroux, Monfort & Renault 1993, doi:10.1002/jae.3950080507). What the predicted states themselves balance to is
+        where windows begin: it is no part of it.
+        """
+        layout, generator, drawn = self.layout, np.random.default_rng(1), []
+        measured, states = layout.measured, np.where(np.isfinite(predicted[1]), predicted[1], self.states)
+        paths = layout.apart_again(np.where(np.isfinite(predicted[0]), predicted[0], layout.readings))
+        white = np.sqrt(np.maximum(measured.noise**2 - measured.steps**2 / 12.0, 0.0))
         for _ in range(DRAWS):
-            tests = [
-                replace(one, readings=one.readings + noise * generator.standard_normal(one.readings.shape))
-                for one in measured.tests
-            ]
-            drawn = _known(self.layout, measured.with_tests(tests))
-            squares.append((self._raw(base, np.where(np.isfinite(drawn), drawn, self.states)) - before) ** 2)
-        each = np.sqrt(np.mean(squares, axis=0))
-        used = each > 0.0
-        usual = np.array([np.median(column[mask]) if mask.any() else 1.0 for column, mask in zip(each.T, used.T, strict=True)])
-        return np.asarray(np.maximum(usual, 1e-300))
+            readings = [path + white * generator.standard_normal(path.shape) for path in paths]
+            counted = [_counted(one, measured.steps, generator.uniform(size=len(white))) for one in readings]
+            tests = [replace(test, readings=one) for test, one in zip(measured.tests, counted, strict=True)]
+            seen = _known(layout, measured.with_tests(tests))
+            drawn.append(self._raw(base, np.where(np.isfinite(seen), seen, states)))
+        noise = np.std(drawn, axis=0, ddof=1)
+        used = noise > 0.0
+        usual = np.array([np.median(column[mask]) if mask.any() else 1.0 for column, mask in zip(noise.T, used.T, strict=True)])
+        return np.mean(drawn, axis=0) - self._raw(base, states), np.maximum(usual, 1e-300)
 
 
-def _gain(shown: Array, true: Array) -> float:
-    """Return the slope of what is shown (n,) over what is true (n,): a gain of a sensor must not make its noise smaller."""
-    if shown is true or np.array_equal(shown, true):
-        return 1.0
-    moved = true - true.mean()
-    power = float(moved @ moved)
-    return float(shown @ moved) / power if power > 0.0 else 1.0
+def _counted(readings: Array, steps: Array, phases: Array) -> Array:
+    """Return readings (n, sensors) in whole steps (sensors,), 0 where none counts, that begin at phases (sensors,) of one step."""
+    size = np.where(steps > 0.0, steps, 1.0)
+    return np.where(steps > 0.0, (np.round(readings / size + phases) - phases) * size, readings)
 
 
 def _known(layout: Layout, measured: Measured) -> Array:

@@ -58,11 +58,7 @@ def estimated(measured: Measured) -> tuple[list[Array], Array]:
     plant: Any = measured.plant
     names = list(plant.states)
     shown = {k: shown_by(plant, one.field) for k, one in enumerate(measured.sensors) if plant.measured[one.field].of}
-    seen: dict[str, int] = {}
-    for k, (_, gain) in shown.items():  # of several sensors of one state the one that tells it best
-        of = plant.measured[measured.sensors[k].field].of
-        if of not in seen or measured.noise[k] / abs(gain) < measured.noise[seen[of]] / abs(shown[seen[of]][1]):
-            seen[of] = k
+    seen = best_sensors(measured)
     held = {contact.velocity for contact in read_vocabulary(plant).contacts}
     error = np.full(len(names), np.nan)
     states = [np.full((test.samples, len(names)), np.nan) for test in measured.tests]
@@ -86,6 +82,23 @@ def estimated(measured: Measured) -> tuple[list[Array], Array]:
                     values = np.where(_rests(test.readings[:, k], values, half, noise, deviation), 0.0, values)
                 found[:, names.index(above)] = values / gain
     return states, error
+
+
+def best_sensors(measured: Measured) -> dict[str, int]:
+    """Return for each state that a sensor shows the position of that which tells it best."""
+    plant: Any = measured.plant
+    seen: dict[str, int] = {}
+    for k, one in enumerate(measured.sensors):
+        of = plant.measured[one.field].of
+        if of and (of not in seen or _error(measured, k) < _error(measured, seen[of])):
+            seen[of] = k
+    return seen
+
+
+def _error(measured: Measured, k: int) -> float:
+    """Return the noise of a sensor in units of the state that it shows."""
+    plant: Any = measured.plant
+    return float(measured.noise[k]) / abs(shown_by(plant, measured.sensors[k].field)[1])
 
 
 @cache

@@ -193,4 +193,4 @@ class Windows(Simulated):
     def _unexplained(self, candidate: Candidate, found: Predicted) -> Array:
         """Return what no start explains of the errors of a prediction, and behind it the balances."""
         own = self._passage.unexplained(self._left(found), self.starts / self.sizes, found.ends / self.sizes)
-        return own if self.balances is None else np.concatenate([own, self.balances.features(candidate)], axis=1)
+        return own if self.balances is None else np.concatenate([own, self.balances.features(candidate, found)], axis=1)

@@ -103,3 +103,15 @@ def test_the_simplest_that_suffices_errs_as_little_as_the_best_in_every_sensor()
     # shares of what lies above repeatability, by channel
     assert not_worse([np.array([0.1, 0.2]), np.array([0.15, 0.29]), np.array([0.1, 0.31])], 0.10) == [0, 1]
     assert not_worse([np.array([0.1, 0.25]), np.array([0.25, 0.1])], 0.10) == []  # each is best in another channel
+
+
+def test_columns_of_which_the_base_leaves_rounding_alone_can_be_ranked() -> None:
+    chance = np.random.default_rng(5)
+    slopes, residuals = chance.standard_normal((240, 2)), chance.standard_normal(240)
+    columns = [Column(name, k, slopes[:, k : k + 1]) for k, name in enumerate("ab")]
+    moments = Blocks(residuals, slopes, np.zeros((2, 2)), columns, np.arange(240) // 20)
+    for k, one in enumerate(moments.others):  # as rounding may leave them: nothing of either, and a part that both share
+        one[1, 1] = one[2, 2] = -1e-13 * k
+        one[1, 2] = one[2, 1] = one[0, 1] = one[1, 0] = 1e-13
+    for found in moments.ranked([(0,), (1,), (0, 1)]):
+        assert np.all(np.abs(found.scores) < 1e-2)

@@ -48,7 +48,7 @@ def plant_of(folder: Path, usual: float = 0.05, pull: float = 2.0, lost: float =
     text = CYLINDER.replace("@usual@", repr(usual)).replace("@pull@", f"({pull!r} * parameter.leak / 2.0)")
     text = text.replace("@lost@", f"({lost!r} * parameter.leak * state.pressure)")
     if idle:
-        text = text.replace("    stroke =", "    idle = Parameter(\"kg\", 1.0, base=True)\n    stroke =")
+        text = text.replace("    stroke =", '    idle = Parameter("kg", 1.0, base=True)\n    stroke =')
     (folder / "plants" / "cylinder.py").write_text(text)
     return plant_called("cylinder", "here")
 
