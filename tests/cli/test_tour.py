@@ -289,6 +289,10 @@ def test_the_answer_can_be_opened_at_any_time(call: Call) -> None:
         (["--into", "mine"], "other things than this tour"),
         (["--into", "mine/thesis.txt"], "this is a file"),
         (["--step", "4"], "first do step 3"),
+        *(
+            (["--plant", "--step", step], f"first do step {needed}")
+            for step, needed in (("2", 1), ("3", 1), ("4", 3), ("5", 4))
+        ),
     ],
 )
 def test_unusable_calls(call: Call, arguments: list[str], words: str) -> None:
