@@ -66,6 +66,6 @@ def draw_dots(conditions: Sequence[str], indicators: Sequence[str], kinds: Seque
         panels[0].set_ylim(len(shown) - 0.4, -0.6)
         handles, labels = panels[0].get_legend_handles_labels()
         if handles:
-            figure.legend(handles, labels, loc="outside upper right", ncols=len(kinds), fontsize=8, frameon=False)
+            figure.legend(handles, labels, loc="outside upper left", ncols=len(kinds), fontsize=8, frameon=False)
 
     return draw((9.6, FRAME + ROW * max(len(shown), 2)), "conditions", paint)

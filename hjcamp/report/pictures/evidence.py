@@ -166,6 +166,7 @@ def draw_worst_test(
         below.set_title(f"residual: model - {observed}", color=INK, fontsize=7.5, loc="left")
         dress(above, label)
         dress(below, residual)
+        below.set_title(f"residual: model - {observed}", color=INK, fontsize=8, loc="left")
         below.set_xlabel("time (s)", color=INK, fontsize=8.5)
 
     return draw(SIZE, title, paint)

@@ -40,14 +40,14 @@ def worst_table(rows: Sequence[Mapping[str, Any]]) -> tuple[tuple[str, ...], lis
     """Return the headings and rows of a table of the conditions that err most; what repetitions share where there are any."""
     from hjcamp.report.wording.channels import channel_label
     from hjcamp.report.wording.names import readable
-    from hjcamp.report.wording.units import told
+    from hjcamp.report.wording.units import plain, told
 
     repeated = any(row["shared"] is not None for row in rows)
     columns = [
         [
             readable(row["condition"]),
             channel_label(row["channel"]),
-            f"{row['over_floor']:.2f}",
+            plain(row["over_floor"], 3),
             *(["" if row["shared"] is None else told(row["shared"], row["unit"])] if repeated else []),
         ]
         for row in rows

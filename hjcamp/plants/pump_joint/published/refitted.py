@@ -18,7 +18,7 @@ SHOWN = ("rmse1_deg", "rmse2_deg", "e_max_deg")
 REST = (
     "The arm overshoots, sticks and winds the loop up again, the more with a payload. Where a motion turns back, the integral of "
     "the errors is multiplied with another gain from one sample to the next, which kicks the arm as well (controller.bumpless=1: "
-    "without that kick). What the refitted constants stand for is open (docs/thesis_gap.md)."
+    "without that kick). What the refitted constants stand for is open (docs/thesis_gap.md in the sources)."
 )
 
 
