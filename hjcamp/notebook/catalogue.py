@@ -188,8 +188,10 @@ def plants(name: str | None = None) -> Catalogue | OnePlant:
     return Catalogue(f"{len(rows)} plants", frame_of(rows, PLANTS))
 
 
-def new_plant(name: str) -> Path:
+def new_plant(name: str | type) -> Path:
     """Write the template of a plant, a carriage with friction, into ./plants and return its path; `hjcamp plants new`.
+
+    For a class of a plant, written in a cell of a notebook, its own file; run the cell again to replace it.
 
     >>> hjcamp.new_plant("my_axis").as_posix()
     'plants/my_axis.py'
@@ -197,6 +199,10 @@ def new_plant(name: str) -> Path:
     from hjcamp.commands.shared.plant_template import write_template
     from hjcamp.known_plants import plants_and_faults
 
+    if isinstance(name, type):
+        from hjcamp.notebook.plant_class import write_class
+
+        return write_class(name, Path("plants"))
     return write_template(name, Path("plants"), plants_and_faults()[0])
 
 
