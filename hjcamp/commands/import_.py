@@ -16,7 +16,8 @@ from hjcamp.storage import check_place
 
 HELP = """Turn measurements from elsewhere into test logs.
 
-FILE is CSV, MATLAB (.mat up to version 7), Parquet or MCAP (JSON or protobuf messages). "hjcamp plants NAME" prints a map
+FILE is CSV, MATLAB, NumPy (.npz), Parquet or MCAP (JSON or protobuf messages); with pip install 'hjcamp[files]' also a workbook
+(.xlsx, .ods), TDMS, HDF5, MATLAB 7.3, or a recording of ROS 2 (MCAP, .db3). "hjcamp plants NAME" prints a map
 with all fields of a plant. An example of MAP.yaml:
 
 \b
@@ -26,8 +27,8 @@ with all fields of a plant. An example of MAP.yaml:
   gaps: interpolate        # cells without a value, up to three lost rows in turn; they are refused where it is absent
   missing: [-9999, "---"]  # what stands for no reading, as it is in the file: a gap
   spikes: interpolate      # readings that jump out and back; they are kept, and told, where it is absent
-  topic: /motor/state      # MCAP alone
-  skip_lines: 2            # CSV alone: also comment; separator, header and decimal_comma are read off the file
+  topic: /motor/state      # MCAP and ROS 2 alone; sheet: of a workbook; group: of TDMS and HDF5
+  skip_lines: 2            # CSV and workbooks: also units_below, comment; separator, header and decimal_comma are read off the file
   fields:
     time_s: {column: t, unit: ms}
     position_m: {column: x, unit: mm, scale: 1, offset: 0, sign: -1}
@@ -38,8 +39,9 @@ with all fields of a plant. An example of MAP.yaml:
     train.csv: {condition: train}
     pulses.csv: {condition: pulses, mass_kg: 120}
 
-A column is a CSV or Parquet column (1, 2, 3, ... where a table of text has no header), a MATLAB variable (q, data.q, q(:,2),
-rec.Y(2).Data), or a name in a message (q, pose.x, position[0], header.stamp); with brackets, colons or quotes it is quoted. Times are
+A column is one of a table (1, 2, 3, ... where it has no header), a MATLAB variable (q, data.q, q(:,2), rec.Y(2).Data), an array or
+data set (q, run/q, q[:,1]), a channel, or a name in a message (q, pose.x, position[0], header.stamp);
+with brackets, colons or quotes it is quoted. A unit is any that pint knows. Times are
 read as they are written (12:00:00,5, 31.01.2026 12:00:00.5, 5-Mar-2026 ...), days of a spreadsheet with unit: day.
 """.replace("USUAL", DEFAULT)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 
 from hjcamp.errors import UsageError, unknown
@@ -75,6 +76,20 @@ FIELD_UNITS: dict[str, FieldUnit] = {
         FieldUnit("w_per_m2", "W/m^2", "W/m^2", 1.0),
         FieldUnit("ohm", "ohm", "ohm", 1.0),
         FieldUnit("j", "J", "J", 1.0),
+        FieldUnit("m2", "m^2", "m^2", 1.0),
+        FieldUnit("hertz", "Hz", "Hz", 1.0),
+        FieldUnit("khertz", "kHz", "Hz", 1e-3),
+        FieldUnit("tesla", "T", "T", 1.0),
+        FieldUnit("mtesla", "mT", "T", 1e3),
+        FieldUnit("weber", "Wb", "Wb", 1.0),
+        FieldUnit("henry", "H", "H", 1.0),
+        FieldUnit("mhenry", "mH", "H", 1e3),
+        FieldUnit("farad", "F", "F", 1.0),
+        FieldUnit("ufarad", "uF", "F", 1e6),
+        FieldUnit("coulomb", "C", "C", 1.0),
+        FieldUnit("siemens", "S", "S", 1.0),
+        FieldUnit("lx", "lx", "lx", 1.0),
+        FieldUnit("lm", "lm", "lm", 1.0),
         FieldUnit("k", "K", "K", 1.0),
         FieldUnit("percent", "%", "1", 100.0),
         FieldUnit("ratio", "1", "1", 1.0),
@@ -96,6 +111,37 @@ MEANT = {
 # Ends of names that people give to temperatures.
 CELSIUS = ("c", "degc", "celsius")
 
+# What stands in a quotient below: n_per_mm, k_per_s.
+PER, POWERS = "_per_", "23"
+
+
+def _quotient(suffix: str) -> FieldUnit | None:
+    """Return the unit of a suffix such as ``n_per_m`` or ``w_per_m2``, made of two units of the table; None for another one."""
+    above, per, below = suffix.partition(PER)
+    power = below[-1:] if below[-1:] in POWERS and below not in FIELD_UNITS else ""
+    first, second = FIELD_UNITS.get(above), FIELD_UNITS.get(below.removesuffix(power) if power else below)
+    if not per or first is None or second is None or any(part in unit.shown for unit in (first, second) for part in "/%"):
+        return None
+    shown, si = (
+        f"{one}/({other})" if "*" in other or " " in other else f"{one}/{other}{'^' + power if power else ''}"
+        for one, other in ((first.shown, second.shown), (first.si, second.si))
+    )
+    return FieldUnit(suffix, shown, si, first.scale / second.scale ** int(power or 1))
+
+
+def unit_shown(shown: str) -> FieldUnit:
+    """Return the unit that is written so, of the table or a quotient of two; raises UsageError where there is none."""
+    for unit in FIELD_UNITS.values():
+        if unit.shown == shown:
+            return unit
+    above, _, below = shown.partition("/")
+    base, _, power = below.strip("()").partition("^")
+    suffixes = {unit.shown: unit.suffix for unit in reversed(FIELD_UNITS.values())}
+    found = _quotient(f"{suffixes.get(above, '')}{PER}{suffixes.get(base, '')}{power}")
+    if found is None:
+        raise unknown("unit", shown, [unit.shown for unit in FIELD_UNITS.values()])
+    return found
+
 
 def unit_of_field(name: str, where: str, si: str = "") -> FieldUnit:
     """Return the unit that a field's name ends with; the longest that fits.
@@ -104,8 +150,9 @@ def unit_of_field(name: str, where: str, si: str = "") -> FieldUnit:
     """
     parts = name.split("_")
     for first in range(1, len(parts)):
-        if (suffix := "_".join(parts[first:])) in FIELD_UNITS:
-            return FIELD_UNITS[suffix]
+        suffix = "_".join(parts[first:])
+        if (found := FIELD_UNITS.get(suffix) or _quotient(suffix)) is not None:
+            return found
     # as people write m/s without its stroke
     for first in range(1, len(parts)):
         suffix = "_".join([*parts[first:-1], "per", parts[-1]])
@@ -127,12 +174,17 @@ def field_of(name: str, si: str, where: str) -> str:
     """Return the field of an input ``name`` in the SI unit ``si``: the name itself where it ends with a unit of that kind."""
     parts = name.split("_")
     for first in range(1, len(parts)):
-        found = FIELD_UNITS.get("_".join(parts[first:]))
+        suffix = "_".join(parts[first:])
+        found = FIELD_UNITS.get(suffix) or _quotient(suffix)
         if found is not None and found.si == si:
             return name
     for unit in FIELD_UNITS.values():
         if unit.si == si and unit.scale == 1.0:
             return f"{name}_{unit.suffix}"
+    with suppress(UsageError):
+        of_si = {unit.si: unit.shown for unit in FIELD_UNITS.values() if unit.scale == 1.0}
+        above, _, below = si.partition("/")
+        return f"{name}_{unit_shown(f'{of_si.get(above, above)}/{of_si.get(below, below)}').suffix}"
     raise UsageError(
         f"{where}: no field can hold the unit {si} of '{name}'; give field='{name}_UNIT' with one of " + ", ".join(FIELD_UNITS)
     )

@@ -34,8 +34,8 @@ from hjcamp.records.units import conversion_to_field
 from hjcamp.yaml_file import read_yaml
 
 KEYS = (
-    "plant", "separator", "decimal_comma", "header", "skip_lines", "comment", "topic", "period_s", "sampling_hz", "resample_s",
-    "missing", "gaps", "spikes", "fields", "metadata", "files",
+    "plant", "separator", "decimal_comma", "header", "units_below", "skip_lines", "comment", "sheet", "group", "topic", "period_s",
+    "sampling_hz", "resample_s", "missing", "gaps", "spikes", "fields", "metadata", "files",
 )  # fmt: skip
 FIELD_KEYS = ("column", "topic", "unit", "scale", "offset", "sign", "unwrap")
 GAPS = ("refuse", "interpolate")
@@ -69,7 +69,7 @@ class ColumnRule:
 
 @dataclass(frozen=True)
 class ImportMap:
-    """What a mapping file says; ``period`` (s) may be None where ``time_s`` is mapped or messages have times.
+    """What a mapping file says; ``period`` (s) may be None where ``time_s`` is mapped or the file has times.
 
     ``by_rate`` where it stands there as ``sampling_hz``; ``files`` are the metadata of single files.
     """
@@ -87,9 +87,12 @@ class ImportMap:
     missing: tuple[float | str, ...] = ()  # readings that stand for none
     files: dict[str, dict[str, str]] = field(default_factory=dict)
     topic: str = ""
+    sheet: str = ""
+    group: str = ""
     separator: str | None = None
     decimal_comma: bool | None = None
     header: bool | None = None
+    units_below: bool = False  # the line below the header holds units
     skip_lines: int = 0
     comment: str | None = None
 
@@ -145,8 +148,6 @@ def read_import_map(path: Path) -> ImportMap:
     rules = {name: _rule(name, fields[name], table, where) for name in table.names if name in fields}
     topic = _text(content, "topic", where)
     period = period_of_rows(content, plant, where)
-    if period is None and "time_s" not in rules and not topic:
-        raise UsageError(f"{where}: give period_s or sampling_hz, or map a column to time_s (of an MCAP file: its topic)")
     check_names({"time_s", *rules}, table, where)
     metadata = _metadata(content.get("metadata"), "metadata", where)
     return ImportMap(
@@ -162,9 +163,12 @@ def read_import_map(path: Path) -> ImportMap:
         without_spikes=interpolates(content, "spikes", SPIKES, where),
         files=_files(content.get("files"), where),
         topic=topic,
+        sheet=_text(content, "sheet", where),
+        group=_text(content, "group", where),
         separator=separator_of(content["separator"], where) if "separator" in content else None,
         decimal_comma=yes_or_no(content["decimal_comma"], "decimal_comma", where) if "decimal_comma" in content else None,
         header=yes_or_no(content["header"], "header", where) if "header" in content else None,
+        units_below=yes_or_no(content.get("units_below", False), "units_below", where),
         missing=missing_of(content["missing"], where) if "missing" in content else (),
         skip_lines=lines_of(content.get("skip_lines", 0), where),
         comment=str(content["comment"]) if content.get("comment") else None,

@@ -57,9 +57,9 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
     """Write each of ``files`` as the test log of ``outs`` by the YAML file ``mapping``, and return what was written.
 
     A column becomes a field as ``sign * (scale * column + offset)`` in ``unit``. The end of a file's name says what it
-    is: ``.mat`` (a column is a variable: ``q``, ``data.q``, ``q(:,2)``, ``rec.Y(2).Data``), ``.parquet``, ``.mcap`` (a column
-    is a name in the messages on ``topic``: ``q``, ``pose.x``, ``position[0]``; JSON or protobuf), anything else is a table of
-    text::
+    is (``readers``): ``.mat`` (a column is a variable: ``q``, ``data.q``, ``q(:,2)``, ``rec.Y(2).Data``), ``.parquet``, ``.npz`` and
+    ``.h5`` (``q[:,1]``), ``.tdms`` of a ``group``, workbooks with a ``sheet``, ``.mcap`` and ``.db3`` (a column is a name in the
+    messages on ``topic``: ``q``, ``pose.x``, ``position[0]``), anything else is a table of text::
 
         plant: axis             # the usual one where it is absent; its fields: hjcamp plants axis
         skip_lines: 2           # before the header; also: comment, and separator, header, decimal_comma where the file misleads

@@ -115,8 +115,8 @@ def edit(change: Callable[[dict], object]) -> dict:
     [
         (lambda m: m["fields"].update(arm_degree="theta"), "unknown field 'arm_degree'.*did you mean 'arm_deg'"),
         (
-            lambda m: m["fields"]["arm_deg"].update(unit="radian"),
-            "unit of 'arm_deg' 'radian'.*Allowed: deg, rad, turn",
+            lambda m: m["fields"]["arm_deg"].update(unit="radien"),
+            "unit of 'arm_deg' 'radien'.*Allowed: deg, rad, turn",
         ),
         (lambda m: m["fields"]["pressure1_mpa"].update(unit="mpa"), "unknown unit 'mpa'.*did you mean 'MPa'"),
         (lambda m: m["fields"]["arm_deg"].update(unit="mm"), "unknown unit of 'arm_deg' 'mm'"),

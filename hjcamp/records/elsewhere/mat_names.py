@@ -1,9 +1,9 @@
-"""Columns of the variables in a MATLAB file, wherever they stand in structures, matrices and cells."""
+"""Names of columns as MATLAB writes them: variables, fields of structures, columns of matrices, cells."""
 
 from __future__ import annotations
 
 import re
-import warnings
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,33 +11,12 @@ import numpy as np
 
 from hjcamp.errors import UsageError, unknown
 
+DEEPEST, MOST_WITHIN = 20, 100  # of structures, of columns of a matrix that are listed
 # A name as MATLAB writes it: rec.Y(2).Data, q(:,2), m(1,:), c{3}.
 STEP = re.compile(r"\.?(?P<name>[^.({]+)|\((?P<at>[\d:,\s]+)\)|\{(?P<cell>[\d,\s]+)\}")
 
 
-def read_mat(source: Path, names: list[str]) -> dict[str, np.ndarray]:
-    """Return the named columns; raises UsageError for a file that cannot be read and a name that is not there."""
-    from scipy.io import loadmat, whosmat
-
-    wanted = sorted({re.split(r"[.({]", name)[0] for name in names})
-    try:
-        with warnings.catch_warnings(action="ignore"):
-            variables = [name for name, _, _ in whosmat(source)]
-            content = loadmat(source, squeeze_me=False, variable_names=wanted)
-    except NotImplementedError as error:
-        raise UsageError(
-            f"{source}: this is a file of MATLAB 7.3 (HDF5), which cannot be read; in MATLAB write it again: "
-            f"save('{source.stem}.mat', '-v7')"
-        ) from error
-    except OSError:
-        raise
-    except Exception as error:  # scipy raises many kinds for bytes that are no such file
-        first = next(iter(str(error).strip().splitlines()), "") or type(error).__name__
-        raise UsageError(f"{source}: cannot be read as a MATLAB file: {first}") from error
-    return {name: _column(source, name, content, variables) for name in names}
-
-
-def _column(source: Path, name: str, content: dict[str, Any], variables: list[str]) -> np.ndarray:
+def column_named(source: Path, name: str, content: dict[str, Any], variables: list[str]) -> np.ndarray:
     """Return one variable, a field of a struct (``data.q``), or a column or row of a matrix (``q(:,2)``) as numbers."""
     steps = list(STEP.finditer(name))
     root = steps[0]["name"] if steps and steps[0].start() == 0 and steps[0]["name"] else name
@@ -102,3 +81,31 @@ def _part(value: np.ndarray, said: str, name: str, of: str, source: Path) -> np.
     if not allowed:
         raise UsageError(f"{source}: {name} is not there; the size of {of} is {shape}")
     return np.asarray(array[tuple(slice(None) if part == ":" else int(part) - 1 for part in parts)])
+
+
+def names_within(content: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the names of all columns of numbers of more than one value in variables, as ``column_named`` reads them."""
+    for name, value in content.items():
+        yield from _within(np.asarray(value), name, 0)
+
+
+def _within(value: np.ndarray, name: str, depth: int) -> Iterator[str]:
+    if depth > DEEPEST:
+        return
+    if value.dtype.names:
+        many = value.size > 1
+        for place, one in enumerate(value.reshape(-1)[:MOST_WITHIN]):
+            for field in value.dtype.names:
+                yield from _within(
+                    np.asarray(one[field]), f"{name}({place + 1}).{field}" if many else f"{name}.{field}", depth + 1
+                )
+    elif value.dtype == object:
+        many = value.size > 1
+        for place, one in enumerate(value.reshape(-1, order="F")[:MOST_WITHIN]):
+            yield from _within(np.asarray(one), f"{name}{{{place + 1}}}" if many else name, depth + 1)
+    elif value.dtype.kind in "iufb" and value.size > 1:
+        if value.size == max(value.shape):
+            yield name
+        elif value.ndim == 2 and min(value.shape) <= MOST_WITHIN:
+            along = int(np.argmax(value.shape))
+            yield from (f"{name}(:,{k + 1})" if along == 0 else f"{name}({k + 1},:)" for k in range(value.shape[1 - along]))
