@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 RUN_S = 15.0  # a test of the checks takes well under a second
 USAGE = (
-    "hjcamp effects [NAME [OVERRIDE...]] | effects --pages DIR | effects new NAME [--on KIND | --from DIAGNOSIS] | effects test NAME, "
-    "each with --plant PLANT"
+    "hjcamp effects [NAME [OVERRIDE...]] | effects --pages DIR | effects new NAME [--on KIND | --from DIAGNOSIS [--form FORMULA]] | "
+    "effects test NAME, each with --plant PLANT"
 )
 
 
@@ -52,6 +52,10 @@ def effects(
             show_default=False,
         ),
     ] = None,
+    form: Annotated[
+        str,
+        typer.Option(help="With --from: write this formula that the diagnosis proposes, not the curve.", show_default=False),
+    ] = "",
     pages: Annotated[
         Path | None,
         typer.Option("--pages", help="Write a page for each effect and plant into this folder.", show_default=False),
@@ -65,6 +69,8 @@ def effects(
         raise UsageError(f"--on is for a new effect: {USAGE}")
     if begun is not None and ((words or [])[:1] != ["new"] or on or plant):
         raise UsageError(f"--from is for a new effect, and says on which plant: {USAGE}")
+    if form and begun is None:
+        raise UsageError(f"--form is a formula of a diagnosis: give --from with it: {USAGE}")
     if pages is not None and words:
         raise UsageError(f"--pages writes all effects and plants, and takes no name: {USAGE}")
     check_answer_file(json)
@@ -74,7 +80,7 @@ def effects(
         case []:
             write_answer(json, show_catalogue(plant))
         case ["new", name]:
-            written = write_new(name, plant, on, begun)
+            written = write_new(name, plant, on, begun, form)
             write_answer(json, {"schema": "hjcamp.template/1", "name": name, "file": str(written)})
         case ["test", name]:
             write_answer(json, test_effect(name, plant))
@@ -212,7 +218,7 @@ def show_effect(name: str, plant: str = "") -> dict[str, Any]:
     return {"schema": "hjcamp.effect/1", "documentation": text, **effect_row(effect)}
 
 
-def write_new(name: str, plant: str = "", on: str = "", begun: Path | None = None) -> Path:
+def write_new(name: str, plant: str = "", on: str = "", begun: Path | None = None, form: str = "") -> Path:
     """Write the template of an effect into ./effects: in the names of the usual plant, for a kind of place, or from a diagnosis."""
     from hjcamp.campaign.execution.console import make_console
 
@@ -221,12 +227,14 @@ def write_new(name: str, plant: str = "", on: str = "", begun: Path | None = Non
         from hjcamp.effects import effect_files, imposed_files, load_effects
 
         taken = {*effect_files([]), *imposed_files(), *load_effects([])}
-        path, plant = write_from_diagnosis(name, begun, sorted(taken))
+        path, plant, proposed = write_from_diagnosis(name, begun, sorted(taken), form)
         plant = "" if plant == DEFAULT else plant
     else:
-        path = new_effect_file(name, plant, on)
+        path, proposed = new_effect_file(name, plant, on), []
     console = make_console()
     console.print(f"  written  {path}", markup=False)
+    for number, line in enumerate(proposed):
+        console.print(f"  {'' if number else 'formula':<7}  {line}", markup=False, soft_wrap=True)
     where = f" --plant {plant}" if plant else " --plant PLANT" if on else ""
     console.print(f"  next     hjcamp effects test {name}{where}", markup=False)
     return path

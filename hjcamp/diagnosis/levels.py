@@ -33,3 +33,6 @@ LONGER = (2, 4)
 TRIED_STARTS = 4
 FITTED_STARTS = 2
 TRIED_ROUNDS = 3
+# A curve is called none of the formulas where even the best leaves more than its knots' errors would, less often than this: the best of
+# two dozen forms is flexible, so that true ones are lost less often still.
+NO_FORMULA = 0.01

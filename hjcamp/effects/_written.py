@@ -9,13 +9,18 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from hjcamp.effects._begun import Begun
+from hjcamp.effects._forms import CALLED
 from hjcamp.errors import UsageError, shown
 
 LONGEST_TEXT = 200
 FACTOR = r"(?:1|[A-Za-z]{1,12}(?:\^-?\d(?:\.\d)?)?)"
 UNIT = re.compile(rf"{FACTOR}(?:[*/ ]\(?{FACTOR}\)?){{0,8}}")
 WORDS = re.compile(r"[\w ,.()+\-]*")
-IMPORTS = (("__future__", {"annotations"}), ("hjcamp.effect", {"Effect", "Parameter", "State"}))
+IMPORTS = (
+    ("__future__", {"annotations"}),
+    ("hjcamp.effect", {"Effect", "Parameter", "State"}),
+    ("math", set(CALLED)),
+)
 FORMULA = (
     ast.Name, ast.Load, ast.Constant, ast.BinOp, ast.Add, ast.Sub, ast.Mult, ast.Div, ast.UnaryOp, ast.USub,
     ast.IfExp, ast.Compare, ast.Lt,
@@ -86,7 +91,8 @@ def _is_line(one: ast.stmt) -> bool:
 def _is_formula(value: ast.expr) -> bool:
     calls = [node for node in ast.walk(value) if isinstance(node, ast.Call)]
     named = all(
-        isinstance(call.func, ast.Name) and call.func.id in ("abs", "min", "max") and not call.keywords for call in calls
+        isinstance(call.func, ast.Name) and call.func.id in ("abs", "min", "max", *CALLED) and not call.keywords
+        for call in calls
     )
     return named and all(isinstance(node, (ast.Call, *FORMULA)) for node in ast.walk(value))
 

@@ -65,6 +65,37 @@ def joint(driver: str = "arm_angle", **changed: Any) -> dict[str, Any]:
     return {"schema": "hjcamp.diagnosis/1", "verdict": "outside_library", "effects": [], "unknowns": [row]}
 
 
+BELL = {
+    "formulas": {
+        "law": "unknown_force_over_position",
+        "driver": "body_position",
+        "level": 0.01,
+        "none": False,
+        "p_value": 0.4,
+        "compared": 26,
+        "forms": [
+            {
+                "form": "bell",
+                "parameters": {
+                    "a": {"value": 12.0, "unit": "N", "ci95": [11.0, 13.0]},
+                    "b": {"value": 0.02, "unit": "m", "ci95": [0.018, 0.022]},
+                    "c": {"value": 0.03, "unit": "m", "ci95": [0.027, 0.033]},
+                },
+                "left_above_repeatability": 0.08,
+            },
+            {
+                "form": "even_power",
+                "parameters": {
+                    "a": {"value": 3.0, "unit": "N", "ci95": [2.0, 4.0]},
+                    "b": {"value": 1.5, "unit": "1", "ci95": [1.0, 2.0]},
+                },
+                "reference": 0.1,
+            },
+        ],
+    }
+}
+
+
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
@@ -206,3 +237,45 @@ def test_what_is_added_to_one_slot_may_be_taken_from_another() -> None:
     first, other = text.partition("def other_loss")[::2]
     assert "def one_loss(a, b, amplitude, first, last)" in first and "(a - b - first) / (last - first)" in other
     assert "return amplitude * (" in first and "return -amplitude * (" in other and "return amplitude" not in other
+
+
+def test_a_formula_stands_in_the_file_instead_of_the_curve(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("answer.json").write_text(json.dumps(SPRING | BELL), encoding="utf-8")
+    assert cli.run(["effects", "new", "table", "--from", "answer.json"]) == 0
+    assert "a bell: a exp(-((x - b) / c)^2)   --form bell" in capsys.readouterr().out
+    for form, wanted in (
+        ("bell", lambda x: 12.0 * np.exp(-(((x - 0.02) / 0.03) ** 2))),
+        ("even_power", lambda x: 3.0 * abs(x / 0.1) ** 1.5),
+    ):
+        assert cli.run(["effects", "new", f"as_{form}", "--from", "answer.json", "--form", form]) == 0
+        effect = load_effects(plant="axis")[f"as_{form}"]
+        check_units(effect, find_plant("axis"))
+        for x in (-0.09, 0.02, 0.071, 0.3):
+            assert at_defaults(effect, "load", position=x) == pytest.approx(wanted(x), rel=1e-5)
+        assert cli.run(["effects", "test", f"as_{form}", "--plant", "axis"]) == 0
+    text = Path("effects/as_bell.py").read_text(encoding="utf-8")
+    assert "it took 92 % of the error above repeatability" in text and "the diagnosis answer.json" in text
+
+
+@pytest.mark.parametrize(
+    ("content", "form", "said"),
+    [
+        (SPRING | BELL, "bel", "did you mean 'bell'"),
+        (SPRING, "bell", "diagnose again"),
+        (SPRING | {"formulas": {}}, "bell", "no formula is proposed"),
+        (SPRING | {"formulas": {"forms": [{"form": "magic", "parameters": {}}]}}, "bell", "not whole"),
+        (SPRING | {"formulas": {"forms": [BELL["formulas"]["forms"][0] | {"parameters": {}}]}}, "bell", "not whole"),
+    ],
+)
+def test_what_is_no_formula_of_the_answer_is_refused(
+    here: Path, content: dict[str, Any], form: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("answer.json").write_text(json.dumps(content), encoding="utf-8")
+    assert cli.run(["effects", "new", "mine", "--from", "answer.json", "--form", form]) == 2
+    error = capsys.readouterr().err
+    assert said in error and error.count("\n") == 1 and not Path("effects/mine.py").exists()
+
+
+def test_a_formula_without_a_diagnosis_is_refused(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["effects", "new", "mine", "--form", "bell"]) == 2
+    assert "give --from with it" in capsys.readouterr().err

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from test_begun_from_a_diagnosis import SPRING, joint
+from test_begun_from_a_diagnosis import BELL, SPRING, joint
 
 from hjcamp import cli
 from hjcamp.commands.shared.effect_from import write_from_diagnosis
@@ -64,7 +64,9 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("content", [TWO_TABLES, joint() | {"plant": "pump_joint"}], ids=["any_plant", "joint"])
+@pytest.mark.parametrize(
+    "content", [TWO_TABLES, joint() | {"plant": "pump_joint"}, SPRING | BELL], ids=["any_plant", "joint", "formula"]
+)
 def test_no_text_of_an_answer_runs(here: Path, content: dict[str, Any]) -> None:
     Path("effects").mkdir()
     for place in texts_of(content):
@@ -72,7 +74,7 @@ def test_no_text_of_an_answer_runs(here: Path, content: dict[str, Any]) -> None:
             Path("answer.json").write_text(json.dumps(changed(content, place, text)), encoding="utf-8")
             name = f"mine_{'_'.join(map(str, place))}_{number}"
             with suppress(UsageError):
-                written, _ = write_from_diagnosis(name, Path("answer.json"), [])
+                written = write_from_diagnosis(name, Path("answer.json"), [], "bell" if "formulas" in content else "")[0]
                 check_effect_file(written.read_text(encoding="utf-8"))
                 nothing_runs(name)
                 written.unlink()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -83,7 +84,8 @@ def missing_of(words: Words) -> Missing:
         law = tuple(_law_branch(words, one) for one in curves)
         rest = _after(words, known)
         after = (_branch(curve_of(analysis, rest, name)),) if rest is not None else ()
-    return _missing(known, curve, _branches(words, known, curve), law, after, added)
+    missing = _missing(known, curve, _branches(words, known, curve), law, after, added)
+    return missing if added else replace(missing, forms=_forms(words, curve))
 
 
 def remaining_law_of(words: Words) -> Missing:
@@ -95,7 +97,22 @@ def remaining_law_of(words: Words) -> Missing:
     [name] = [one for one in unknown.names if one in analysis.search.unknowns]
     curve = curve_of(analysis, unknown, name)
     known = analysis.search.unknowns[name]
-    return _missing(known, curve, (), (), _branches(words, known, curve), words.verdict.effects)
+    missing = _missing(known, curve, (), (), _branches(words, known, curve), words.verdict.effects)
+    return replace(missing, forms=_forms(words, curve))
+
+
+def _forms(words: Words, curve: dict[str, Any]) -> tuple[Branch, ...]:
+    """Return the formulas that fit the curve of the law that the answer has, over its places."""
+    from hjcamp.effects._forms import FORMS
+    from hjcamp.report.pictures.evidence import Branch
+
+    found, x = words.content["formulas"], np.array(curve["x"])
+    rows = [] if not found or found["none"] else found["forms"]
+    values = [[one["value"] for one in row["parameters"].values()] for row in rows]
+    return tuple(
+        Branch(row["words"], x, FORMS[row["form"]](x, one, row.get("reference", 1.0)))
+        for row, one in zip(rows, values, strict=True)
+    )
 
 
 def _missing(

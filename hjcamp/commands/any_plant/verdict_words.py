@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.untold import untold
 from hjcamp.commands.any_plant.bound_words import ends_of_laws, held_by_bounds, late_inputs, other_sizes
+from hjcamp.commands.any_plant.formula_words import formula_words
 from hjcamp.commands.any_plant.law_words import described_term, local_driver, state_of, with_article
 from hjcamp.commands.any_plant.outside_words import (
     by_condition_words,
@@ -125,6 +126,11 @@ class Words:
             if names & set(search.library[name].terms) or equivalent_laws(search.unknowns[first["law"]], search.library[name])
         ]
 
+    @property
+    def driver_words(self) -> str:
+        """What drives the first non-parametric term, in words."""
+        return str(self.content["unknowns"][0]["signal"]).replace("_", " ")
+
     def _not_enough(self) -> str:
         """Return in words why what can be identified from the motion has no name."""
         if refused := self.verdict.refused:
@@ -169,6 +175,7 @@ class Words:
         """Say what is found that has no name: a non-parametric term, an oscillation, other parameters in each condition, a constant."""
         verdict, error, first, found = self.verdict, self.content["error"], self._first_law, list[str]()
         if verdict.word == "outside_library" and first:
+            found += formula_words(self.content["formulas"], described_term(first), self.driver_words, self.analysis.noise_floor.source)
             found.append(
                 f"{with_article(described_term(first), begins=True)}, as a non-parametric term, predicts better than any "
                 "effect of the library: "
@@ -236,6 +243,7 @@ class Words:
                     f"{with_article(described_term(first))} "
                     f"explains the last {left:.0f} % of the error that can be explained. Its curve is on the page."
                 )
+                found += formula_words(self.content["formulas"], described_term(first), self.driver_words)
             else:
                 freest = with_article(described_term(first)) if first else "a regression on the motion"
                 law = f"The law of {' or '.join(self.refined())}" if len(verdict.effects) > 1 and first else "The law"

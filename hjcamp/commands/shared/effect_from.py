@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.errors import UsageError, unknown
+from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.json_text import read_json
 
 if TYPE_CHECKING:
     from hjcamp.effects._begun import Begun
+    from hjcamp.effects._formula_template import Formula
 
 ANSWER = "answer.json"
 KNOTS = 24
@@ -23,21 +24,78 @@ TO_DO = {
 }
 
 
-def write_from_diagnosis(name: str, diagnosis: Path, taken: Sequence[str]) -> tuple[Path, str]:
-    """Write ``effects/NAME.py`` from a diagnosis (its answer, its folder, or its run) and return the path and the plant.
+def write_from_diagnosis(name: str, diagnosis: Path, taken: Sequence[str], form: str = "") -> tuple[Path, str, list[str]]:
+    """Write ``effects/NAME.py`` from a diagnosis (its answer, its folder, or its run).
 
-    Raises ``UsageError`` for what is no diagnosis, one without an unknown, and a file that exists.
+    It holds the curve as a table, with ``form`` that formula in its place. Return the path, the plant, and in words what formulas the
+    diagnosis proposes. Raises ``UsageError`` for what is no diagnosis, one without an unknown or that formula, and a file that exists.
     """
     from hjcamp.effects._curve_template import write_from_curve
+    from hjcamp.effects._formula_template import write_from_formula
     from hjcamp.effects._written import check_begun
 
     file = answer_file(diagnosis)
-    begun = begun_from(read_answer(file), file)
+    content = read_answer(file)
+    begun = begun_from(content, file)
     try:
         check_begun(begun)
     except UsageError as problem:
         raise UsageError(f"{file}: {problem}") from None
-    return write_from_curve(name, Path("effects"), begun, taken), begun.plant
+    found = formulas_from(content, file)
+    if form:
+        if form not in found:
+            raise no_such_form(form, found, content, file)
+        return write_from_formula(name, Path("effects"), begun, found[form], taken), begun.plant, []
+    said = [f"{one.form.words}: {one.form.said}   --form {key}" for key, one in found.items()]
+    return write_from_curve(name, Path("effects"), begun, taken), begun.plant, said
+
+
+def formulas_from(content: Mapping[str, Any], file: Path) -> dict[str, Formula]:
+    """Return the formulas that an answer proposes, by name; raises ``UsageError`` for one of another shape."""
+    from hjcamp.effects._forms import FORMS
+    from hjcamp.effects._formula_template import Formula
+
+    rows = content.get("formulas") or {}
+    try:
+        found = {}
+        for row in rows.get("forms", ()):
+            form = FORMS[row["form"]]
+            given = {name: _value(row["parameters"][name]) for name in form.parameters}
+            left = row.get("left_above_repeatability")
+            taken = None if left is None else 1.0 - _finite(left)
+            found[form.name] = Formula(form, given, _finite(row.get("reference", 1.0)), taken)
+    except (LookupError, TypeError, AttributeError, ValueError) as problem:
+        raise UsageError(f"{file}: a formula in it is not whole ({type(problem).__name__}: {problem})") from None
+    return found
+
+
+def _value(row: Mapping[str, Any]) -> tuple[float, str, tuple[float, float]]:
+    """Return value, unit and interval of a parameter of a formula; raises ValueError for what is none."""
+    from hjcamp.effects._written import UNIT
+    from hjcamp.model.language.amount import dimension
+
+    unit = str(row["unit"])
+    if not UNIT.fullmatch(unit):
+        raise ValueError(f"no unit {shown(unit)}")
+    dimension(unit)
+    low, high = (_finite(end) for end in row["ci95"])
+    return _finite(row["value"]), unit, (low, high)
+
+
+def _finite(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e300:
+        raise ValueError(f"no number {shown(value)}")
+    return float(value)
+
+
+def no_such_form(form: str, found: Mapping[str, Formula], content: Mapping[str, Any], file: Path) -> UsageError:
+    """Return the refusal of a formula that a diagnosis does not propose."""
+    if found:
+        return unknown("formula", form, found, str(file))
+    known = content.get("formulas")
+    if known is None:
+        return UsageError(f"{file}: it was written before formulas were proposed; diagnose again")
+    return UsageError(f"{file}: no formula is proposed for its curve; without --form the file holds the curve as a table")
 
 
 def answer_file(path: Path) -> Path:

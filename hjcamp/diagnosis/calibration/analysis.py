@@ -182,13 +182,18 @@ def _best_fit(search: Search, begun: Candidate, known: Known) -> Fitted:
     return in_parts(windows, fitted)
 
 
+# Places of a state that are kept of where the tests have been.
+MOST_VISITS = 4000
+
+
 def _admit_laws(search: Search, fitted: Fitted, unknowns: bool) -> None:
     """Give the ``search`` the ranges that the tests visit: for the bounds of its effects, and the knots of non-parametric terms."""
     layout, plant = search.windows.layout, search.windows.layout.measured.plant
-    courses = courses_of(
-        plant, fitted.candidate.base, completed_states(search.windows, fitted.candidate), layout.inputs, layout.time
-    )
+    states = completed_states(search.windows, fitted.candidate)
+    courses = courses_of(plant, fitted.candidate.base, states, layout.inputs, layout.time)
     search.ranges = ranges_of(courses, layout.time)
+    some = slice(None, None, max(len(states) // MOST_VISITS, 1))
+    search.seen_along = courses | {name: states[some, k] for k, name in enumerate(plant.states)} | {"time": layout.time[some]}
     search.library = {name: about_visited(effect, plant, search.ranges) for name, effect in search.library.items()}
     search.windows.spare(fitted.candidate)
     search.admit(unknowns_of(plant, search.ranges, courses) if unknowns else {})

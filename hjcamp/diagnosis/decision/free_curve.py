@@ -1,4 +1,4 @@
-"""What a free law says over its driver, with its 95 % band."""
+"""What a non-parametric term says over its driver, with its 95 % band."""
 
 from __future__ import annotations
 
@@ -120,6 +120,27 @@ def knots_of(analysis: Analysis, model: Scored, name: str) -> dict[str, list[flo
     if known.quantity == "value":
         values = (1.0 + values) / np.mean(1.0 + known.amount(_hats(model, known, places) @ at_knots)) - 1.0
     return {"x": at.tolist(), "y": values.tolist()}
+
+
+def at_knots_with_slopes(model: Scored, known: Unknown) -> tuple[Array, Array, Array]:
+    """Return the places (m,) at which a law was seen and its values there (m,), SI, and their slopes (m, knots).
+
+    The slopes are over what is fitted, in units of its scales; a parameter's law is about its mean over the knots, as its curve is.
+    """
+    free = [one for one in model.fitted.free if one.effect == known.effect.name]
+    scales = np.array([one.scale for one in free])
+    even = np.linspace(known.low, known.high, len(free))
+    x = np.array(known.levels) if known.levels else even[_seen(model, known)]
+    hats, step = _hats(model, known, x), 1e-6
+    along = hats @ (np.array([one.of(model.fitted.candidate) for one in free]) * scales)
+    values = known.amount(along)
+    slopes = ((known.amount(along + step) - known.amount(along - step)) / (2.0 * step))[:, None] * hats * scales
+    if known.quantity == "value":
+        # one more is known of it than its shape: its mean is the parameter's own
+        mean = 1.0 + float(np.mean(values))
+        slopes = (slopes - np.outer((1.0 + values) / mean, slopes.mean(axis=0))) / mean
+        values = (1.0 + values) / mean - 1.0
+    return x, values, slopes
 
 
 def _hats(model: Scored, known: Unknown, x: Array) -> Array:

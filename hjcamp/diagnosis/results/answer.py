@@ -24,6 +24,7 @@ from hjcamp.diagnosis.results.channel_rows import (
     whole_rows,
     worst,
 )
+from hjcamp.diagnosis.results.formula_rows import formula_rows
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.base_values import DELAY
 
@@ -54,6 +55,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "minimum_detectable": {},
         "law_left": float(np.clip(verdict.law_left, 0.0, 1.0)),
         "unknowns": unknowns,
+        "formulas": formula_rows(analysis, verdict),
         "false_claims": {} if analysis.measured.repeated else _false_claims(analysis, verdict),
         "swings": swing_row(verdict.swing) if verdict.swing else {},
         "by_condition": by_condition_row(analysis, verdict.differs) if verdict.differs else {},

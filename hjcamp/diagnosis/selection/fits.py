@@ -63,7 +63,19 @@ class Fits:
     begins: dict[str, dict[str, float]] = field(default_factory=dict)
     declared: Mapping[str, float] = field(default_factory=dict)
     first: Place | None = None
+    #: Where the tests have been: values of signals, states and the time along them, SI.
+    seen_along: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     _probed: tuple[Fitted, ProbedModel] | None = None
+
+    def visits_of(self, known: Unknown) -> NDArray[np.float64]:
+        """Return where the tests have been of what drives an unknown, SI, within a turn where it repeats; empty where not known."""
+        names = known.signal.split(" - ")
+        found = [self.seen_along.get(name, np.zeros(0)) for name in names]
+        if len({len(one) for one in found}) > 1:
+            return np.zeros(0)
+        course = found[0] - sum(found[1:])
+        course = course[np.isfinite(course)]
+        return known.low + (course - known.low) % (known.high - known.low) if known.turns else course
 
     def scored(self, fitted: Fitted, windows: Windows | None = None) -> Scored:
         """Return a fit with what it leaves of blocks that it does not know, over windows that begin where it has them."""

@@ -6,6 +6,7 @@ import contextlib
 import functools
 import math
 import re
+from collections.abc import Iterable
 from typing import Any
 
 from hjcamp.errors import UsageError
@@ -152,3 +153,14 @@ def text(dims: Any) -> str:
     under = [f"{names.get(key, key)}" + (f"^{-power:g}" if power != -1 else "") for key, power in dims.items() if power < 0]
     below = under[0] if len(under) == 1 else f"({'*'.join(under)})"
     return ("*".join(over) or "1") + (f"/{below}" if under else "")
+
+
+def unit_product(powers: Iterable[tuple[str, float]]) -> str:
+    """Return the product of powers of units as such a text: ``N*s/m``, ``1/rad``, ``Pa/m^0.5``, ``1``."""
+    registry = _registry()
+    found = registry.Unit("")
+    for unit, power in powers:
+        found = found * registry.parse_units(unit if unit != "1" else "") ** power
+    above, *below = f"{found:~C}".replace("**", "^").split("/")
+    # N*m, as engineers write it, not m*N
+    return "/".join(["*".join(sorted(above.split("*"))) or "1", *below])

@@ -43,7 +43,8 @@ class Branch:
 class Missing:
     """What a calibrated model misses over one driver, what the named effect says there, and what is missing after it.
 
-    Names as people read them, SI units; ``law`` and ``after`` are empty where nothing was named.
+    Names as people read them, SI units; ``law`` and ``after`` are empty where nothing was named. ``forms`` are formulas of what is
+    missing, each called by its ``way``.
     """
 
     driver: str
@@ -54,14 +55,15 @@ class Missing:
     law: tuple[Branch, ...] = ()
     after: tuple[Branch, ...] = ()
     name: str = ""
+    forms: tuple[Branch, ...] = ()
 
 
 def draw_missing(missing: Missing) -> dict[str, str]:
     """Return pictures by name: ``before`` with the law through it, and ``after`` on the same scale where there is one."""
-    across, up, (before, law, after) = _scaled(missing)
+    across, up, (before, law, after, forms) = _scaled(missing)
     limits = _limits([one.y for one in (*before, *law, *after)])
     labels = across, up, limits
-    found = {"before": _panel(before, law, missing.name, "missing: calibrated model", labels)}
+    found = {"before": _panel(before, law, missing.name, "missing: calibrated model", labels, () if after or law else forms)}
     if after:
         found["after"] = _panel(after, (), missing.name, f"missing: {_shortly(missing.name)}", labels)
     return found
@@ -69,9 +71,9 @@ def draw_missing(missing: Missing) -> dict[str, str]:
 
 def draw_remaining_law(missing: Missing) -> str:
     """Return the picture of what is missing after what was named, on a scale of its own."""
-    across, up, (_, _, after) = _scaled(missing)
+    across, up, (_, _, after, forms) = _scaled(missing)
     title = f"missing: {_shortly(missing.name)}"
-    return _panel(after, (), missing.name, title, (across, up, _limits([one.y for one in after])))
+    return _panel(after, (), missing.name, title, (across, up, _limits([one.y for one in after])), forms)
 
 
 def _shortly(name: str) -> str:
@@ -80,8 +82,8 @@ def _shortly(name: str) -> str:
 
 
 def _scaled(missing: Missing) -> tuple[str, str, list[list[Branch]]]:
-    """Return the labels of both axes, and the three groups of branches in the units of these labels."""
-    groups = (missing.before, missing.law, missing.after)
+    """Return the labels of both axes, and the groups of branches in the units of these labels."""
+    groups = (missing.before, missing.law, missing.after, missing.forms)
     flat = [one for group in groups for one in group]
     across, xs = readable(missing.driver, missing.driver_unit, *(one.x for one in flat))
     columns = [column for one in flat for column in (one.y, one.low, one.high) if column is not None]
@@ -105,6 +107,7 @@ def _panel(
     name: str,
     title: str,
     labels: tuple[str, str, tuple[float, float]],
+    forms: Sequence[Branch] = (),
 ) -> str:
     across, up, limits = labels
 
@@ -115,6 +118,8 @@ def _panel(
             _branch(axis, one, COLOURS.get(one.way, other), f"missing, {one.way}", marker=marker, markersize=3)
         for one in law:
             _branch(axis, one, INK, f"{name}, {one.way}", linestyle=LINES[one.way])
+        for one, line in zip(forms, LINES.values(), strict=False):
+            _branch(axis, one, INK, one.way, linestyle=line)
         axis.axhline(0.0, color=INK, linewidth=0.6)
         axis.set_ylim(*limits)
         dress(axis, up)
