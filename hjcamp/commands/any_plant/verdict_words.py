@@ -343,7 +343,10 @@ class Words:
         if self.verdict.word == "outside_library":
             if self.content["by_condition"] and not self.content["unknowns"]:
                 return ["hjcamp calibrate LOGS_OF_ONE --as NAME   # each specimen or condition by itself"]
-            begun = f" --from {folder}" if curve else ""
+            begun, formulas = f" --from {folder}" if curve else "", self.content["formulas"]
+            if formulas and not formulas["none"]:
+                form = formulas["forms"][0]["form"]
+                return [f"hjcamp effects new MY_EFFECT{begun} --form {form}   # then: hjcamp diagnose {paths}{own}"]
             return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
         held = any(row.get("held") for row in self.content["calibration"].values())
         rivals = (
