@@ -63,7 +63,7 @@ def test_a_lock_with_another_name_is_left_alone(tmp_path: Path, precious: Path) 
 @pytest.mark.parametrize("what", ["file", "dangling file", "folder"])
 def test_a_rig_lock_follows_no_link(what: str, tmp_path: Path, precious: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rig_lock, "rig_identity", lambda config: "a rig")
-    monkeypatch.setattr(rig_lock.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path))
     if what == "folder":
         (tmp_path / "theirs").mkdir(mode=0o755)
         (tmp_path / rig_lock.FOLDER).symlink_to(tmp_path / "theirs")

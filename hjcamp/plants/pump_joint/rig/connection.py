@@ -7,18 +7,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from hjcamp.errors import HjcampError, UsageError
+from hjcamp.backends.rig.fault import RigUnavailable
+from hjcamp.errors import UsageError
 from hjcamp.json_text import json_values
 
 CALL_TIMEOUT_S = 300.0  # a virtual rig may have to compile its kernel first: two and a half minutes on a busy computer
 OWNER = uuid.uuid4().hex
 _in_process: list[Any] = []
-
-
-class RigUnavailable(HjcampError):  # noqa: N818 - it is a state of the rig
-    """There is no rig to work with; no test of this run can be made."""
-
-    stops = 1
 
 
 @dataclass(frozen=True)

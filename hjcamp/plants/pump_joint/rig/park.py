@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
+from hjcamp.backends.rig.fault import RigUnavailable
 from hjcamp.backends.rig.guard import is_real
 from hjcamp.json_text import read_json
 from hjcamp.plants.pump_joint.rig.check_stamp import parked_path
-from hjcamp.plants.pump_joint.rig.connection import RigUnavailable
 from hjcamp.plants.pump_joint.rig.wiring import Wiring
 from hjcamp.storage import write_whole
 

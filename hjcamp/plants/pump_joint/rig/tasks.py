@@ -23,7 +23,8 @@ from nidaqmx.system import Device
 from nidaqmx.system.watchdog import WatchdogTask
 from nidaqmx.types import AOExpirationState
 
-from hjcamp.plants.pump_joint.rig.connection import Connection, RigUnavailable
+from hjcamp.backends.rig.fault import RigUnavailable
+from hjcamp.plants.pump_joint.rig.connection import Connection
 from hjcamp.plants.pump_joint.rig.left import LeftAt
 from hjcamp.plants.pump_joint.rig.wiring import Wiring
 
