@@ -12,7 +12,7 @@ from hjcamp.errors import unknown
 from hjcamp.known_plants import plant_of
 from hjcamp.model.checks.watch import Watch, plausible_watches
 
-BACKENDS = ("simulation", "nidaqmx")
+BACKENDS = ("simulation", "nidaqmx", "rig")
 
 
 def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, NDArray[np.float64]], dict[str, str]]:
@@ -39,6 +39,8 @@ def watches(config: Mapping[str, Any]) -> list[Watch]:
     own = plant.room_of("watches")
     if own is not None and config["rig"].get("limits"):
         return list(own.rig_watches(config))
+    if config["backend"]["name"] == "rig":
+        return list(_backend(config).watches(config))
     return plausible_watches(plant)
 
 
@@ -69,4 +71,8 @@ def _backend(config: Mapping[str, Any]) -> Any:
         from hjcamp.backends import plant_simulation
 
         return plant_simulation
+    if name == "rig":
+        from hjcamp.backends.rig.any_plant import backend
+
+        return backend
     return plant.own_room(name)

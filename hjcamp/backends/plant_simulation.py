@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
-from hjcamp.controllers.fit import commanded, controlled_field, measured_fields, quantity, sources
+from hjcamp.controllers.fit import commanded, controlled_field, input_field, measured_fields, quantity, sources
 from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
@@ -20,8 +20,9 @@ from hjcamp.model.compile.compose import Composition
 from hjcamp.model.declare.base_values import DELAY, checked_base, period_of
 from hjcamp.model.declare.plant import ALWAYS, Plant
 from hjcamp.model.language.field_table import fields_of
-from hjcamp.model.language.field_unit import FieldUnit, field_of, unit_of_field
+from hjcamp.model.language.field_unit import FieldUnit, unit_of_field
 from hjcamp.model.run.closed_loop import LoopSimulator, LoopTest, loop_simulator
+from hjcamp.model.run.simulator import Simulator
 from hjcamp.trajectories import build_trajectory
 
 Array = NDArray[np.float64]
@@ -83,12 +84,6 @@ def followed_unit(config: Mapping[str, Any], plant: type[Plant]) -> tuple[str, F
     return field, unit_of_field(field, f"plant {plant.name}")
 
 
-def input_field(plant: type[Plant], name: str) -> str:
-    """Return what the logs call an input."""
-    given = plant.inputs[name]
-    return given.field or field_of(name, given.unit, f"plant {plant.name}")
-
-
 def reference_of(config: Mapping[str, Any], plant: type[Plant]) -> tuple[Array, float]:
     """Return the reference (n, 3): value, velocity and acceleration in SI; and the direction of the first motion."""
     _, unit = followed_unit(config, plant)
@@ -121,9 +116,8 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
     plant = plant_in(config)
     law, _ = law_of(config)
     simulator = simulator_of(config)
-    values, delays = _apart(model_of(config, plant)[1])
+    values, delays = apart(model_of(config, plant)[1])
     generator = np.random.default_rng(seed)
-    again = config["plant"]
     for name in plant.drawn:
         drawn = generator.uniform(*plant.parameters[name].bounds)
         values.setdefault(name, drawn)
@@ -138,13 +132,7 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
     if law.planned:
         planned = law.plan(reference, gains, known, plant.period)
         reference = np.column_stack([reference, planned])
-    inputs = np.tile(simulator.inputs(), (len(rows), 1))
-    scatter = plant.friction_varies.factors(generator, len(rows), plant.period)
-    inputs[:, simulator.composition.inputs.index("friction_scatter")] = scatter ** float(again["scatter"])
-    start = start_of(config, plant, law.begin(gains, known))
-    for name, state in plant.states.items():
-        start[name] += state.scatter * float(again["scatter"]) * generator.standard_normal()
-    counts, noise = sensors_of(plant, known)
+    drawn = draws(config, simulator, known, generator, len(rows), law.begin(gains, known))
     # what acts earlier than its log says does so on paper alone: no loop sends a command before it knows it
     late = np.array([max(delays.get(name, 0.0), 0.0) for name in simulator.composition.inputs]) / plant.period
     test = LoopTest(
@@ -152,16 +140,50 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
         first=rest,
         last=rest + len(reference),
         reference=reference[rows],
-        inputs=inputs,
+        inputs=drawn.inputs,
         late=late,
-        counts=counts,
-        phases=generator.uniform(0.0, 1.0, len(counts)),
-        noise=generator.standard_normal((len(rows), len(noise))) * noise * float(again["noise"]),
+        counts=drawn.counts,
+        phases=drawn.phases,
+        noise=drawn.noise,
     )
-    return Prepared(simulator, p, start, test)
+    return Prepared(simulator, p, drawn.start, test)
 
 
-def _apart(values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+@dataclass(frozen=True)
+class Draws:
+    """What differs from test to test: the start, the inputs (n, inputs) with the scatter of friction, and what sensors do."""
+
+    start: dict[str, float]
+    inputs: Array
+    counts: Array
+    phases: Array
+    noise: Array
+
+
+def draws(
+    config: Mapping[str, Any],
+    simulator: Simulator,
+    known: Mapping[str, float],
+    generator: np.random.Generator,
+    samples: int,
+    brought: Mapping[str, float],
+) -> Draws:
+    """Return what a test of so many samples draws; ``known`` are the values of the parameters, ``brought`` states as in `start_of`."""
+    plant, again = simulator.composition.plant, config["plant"]
+    inputs = np.tile(simulator.inputs(), (samples, 1))
+    scatter = plant.friction_varies.factors(generator, samples, plant.period)
+    inputs[:, simulator.composition.inputs.index("friction_scatter")] = scatter ** float(again["scatter"])
+    start = start_of(config, plant, brought)
+    for name, state in plant.states.items():
+        start[name] += state.scatter * float(again["scatter"]) * generator.standard_normal()
+    counts, noise = sensors_of(plant, known)
+    phases = generator.uniform(0.0, 1.0, len(counts))
+    return Draws(
+        start, inputs, counts, phases, generator.standard_normal((samples, len(noise))) * noise * float(again["noise"])
+    )
+
+
+def apart(values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
     """Return the values of parameters, and the delays (s) of inputs by the input's name."""
     delays = {name.removeprefix(DELAY): value for name, value in values.items() if name.startswith(DELAY)}
     return {name: value for name, value in values.items() if not name.startswith(DELAY)}, delays
@@ -204,27 +226,34 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
 
 def log_columns(config: Mapping[str, Any], prepared: Prepared, recorded: Mapping[str, Array]) -> dict[str, Array]:
     """Return what was recorded under the names and in the units of the plant's fields."""
-    plant, test = prepared.simulator.composition.plant, prepared.test
-    count = len(test.inputs)
-    place = np.arange(count)
-    found: dict[str, Array] = {
-        "time_s": np.asarray((place - test.first) * plant.period, dtype=np.float64),
-        "phase": np.where(place < test.first, REST, np.where(place < test.last, CONTROL, AFTER)),
-    }
+    test, place = prepared.test, np.arange(len(prepared.test.inputs))
+    known = {**recorded, "phase": np.where(place < test.first, REST, np.where(place < test.last, CONTROL, AFTER))}
+    known["reference"] = test.reference[:, 0]
+    found = {"time_s": (place - test.first) * prepared.simulator.composition.plant.period}
+    found |= {name: known[source] * scale for name, (source, scale) in log_sources(config, prepared.simulator).items()}
+    return {name: np.asarray(values, dtype=np.float64) for name, values in found.items()}
+
+
+def log_sources(config: Mapping[str, Any], simulator: LoopSimulator) -> dict[str, tuple[str, float]]:
+    """Return each field of a log but its time, in order: what is recorded for it, and that one's number for one SI unit.
+
+    Recorded are ``phase``, ``reference``, the answers ``answer.NAME`` of the law, inputs and readings ``reading.NAME``.
+    """
+    plant = simulator.composition.plant
+    found: dict[str, tuple[str, float]] = {"phase": ("phase", 1.0)}
     field, unit = followed_unit(config, plant)
     table = fields_of(plant)
     wanted = next((name for name in (f"reference_{field}", f"reference_{unit.suffix}") if name in table.names), None)
     if wanted is not None:
-        found[wanted] = test.reference[:, 0] * unit.scale
-    shown, shown_fields = prepared.simulator.composition.measured, measured_fields(plant)
+        found[wanted] = ("reference", unit.scale)
+    shown, shown_fields = simulator.composition.measured, measured_fields(plant)
     for name, signal in zip(shown_fields, shown, strict=True):
-        found[name] = recorded[f"reading.{signal}"] * unit_of_field(name, plant.name).scale
-    for name in (one for one in prepared.simulator.composition.inputs if one not in ALWAYS):
+        found[name] = (f"reading.{signal}", unit_of_field(name, plant.name).scale)
+    for name in (one for one in simulator.composition.inputs if one not in ALWAYS):
         given = input_field(plant, name)
-        found.setdefault(given, recorded[name] * unit_of_field(given, plant.name).scale)
-    answers = {name.partition(".")[2]: values for name, values in recorded.items() if name.startswith("answer.")}
+        found.setdefault(given, (name, unit_of_field(given, plant.name).scale))
     for name in table.names:
         # what the law asks for stands before what arrives after a delay
-        if "_" in name and (answer := quantity(name)) in answers and name not in shown_fields:
-            found[name] = answers[answer] * unit_of_field(name, plant.name).scale
-    return {name: np.asarray(found[name], dtype=np.float64) for name in table.names if name in found}
+        if "_" in name and (answer := quantity(name)) in simulator.law.results and name not in shown_fields:
+            found[name] = (f"answer.{answer}", unit_of_field(name, plant.name).scale)
+    return {name: found[name] for name in table.names if name in found}

@@ -39,6 +39,7 @@ from hjcamp.configuration.variation import Loaded, NotJoinedError, Variations
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.known_plants import OWN_PLANTS
 from hjcamp.model.language.field_unit import FIELD_UNITS
+from hjcamp.rigs import OWN_RIGS
 
 # Hydra reports some misuse (campaign=null) as a bare ValueError.
 #: Groups whose choices make other parts of the configuration.
@@ -169,6 +170,10 @@ class Composer:
                 )
             if choice is not None and isinstance(config.get(group), dict) and group != "campaign":
                 config[group].setdefault("name", choice)
+        if config.get("plant") and isinstance(config.get("rig"), dict):
+            from hjcamp.configuration.plant_settings import rig_of_plant
+
+            config["rig"] = rig_of_plant(config["rig"], str(config["plant"].get("name")))
         return Composition(config, choices)
 
     def _refuse_unfit(self, overrides: Sequence[str]) -> None:
@@ -280,7 +285,7 @@ class Composer:
 
     def _users_files(self) -> bool:
         """Return whether there is a folder of configuration next to our own."""
-        folders = {Path(place.partition("://")[2]) for place in self.places()} - {OWN_PLANTS}
+        folders = {Path(place.partition("://")[2]) for place in self.places()} - {OWN_PLANTS, OWN_RIGS}
         return any(folder.is_dir() and not folder.resolve().is_relative_to(packaged_root()) for folder in folders)
 
     def places(self) -> list[str]:

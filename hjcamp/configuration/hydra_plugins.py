@@ -27,10 +27,12 @@ from hjcamp.configuration.trust import check_file, check_group, with_our_hydra
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import OWN_PLANTS
 from hjcamp.model.files.user_folders import extension_folders
+from hjcamp.rigs import OWN_RIGS
 from hjcamp.yaml_file import check_yaml
 
 GROUP = "campaign"
 PLANT = "plant"
+RIG = "rig"
 PRIMARY = "config"
 
 
@@ -123,8 +125,56 @@ class CampaignSource(ConfigSource):
         return Path(self.path) / f"{name.removesuffix('.yaml')}.yaml"
 
 
-class PlantSource(ConfigSource):
-    """A folder of plants, seen by Hydra as the group ``plant``: ``plant=NAME`` is ``NAME.py``, which is loaded when chosen."""
+class _FilesOfPython(ConfigSource):
+    """A folder of files of one class each, seen by Hydra as the group ``GROUP``: ``GROUP=NAME`` is ``NAME.py``."""
+
+    group = ""
+    package = ""
+
+    def _names(self) -> list[str]:
+        raise NotImplementedError
+
+    def _settings(self, name: str) -> dict[str, Any]:
+        raise NotImplementedError
+
+    def load_config(self, config_path: str) -> ConfigResult:
+        """Return what the choice sets."""
+        if not self.is_config(config_path):
+            raise ConfigLoadError(f"Config not found : {config_path}")
+        content = OmegaConf.create(self._settings(self._name(config_path)))
+        header: dict[str, str | None] = {"package": self.package}
+        return ConfigResult(config=content, path=str(Path(self.path)), provider=self.provider, header=header)
+
+    def available(self) -> bool:
+        """Return whether the folder exists."""
+        return Path(self.path).is_dir()
+
+    def is_group(self, config_path: str) -> bool:
+        """Return whether the path is the group itself."""
+        return config_path.strip("/") in ("", self.group)
+
+    def is_config(self, config_path: str) -> bool:
+        """Return whether the folder holds a file of that name."""
+        name = self._name(config_path)
+        return name != "" and name in self._names()
+
+    def list(self, config_path: str, results_filter: ObjectType | None) -> list[str]:
+        """Return the names of the choices, or of the one group."""
+        if config_path.strip("/") == "":
+            return [] if results_filter == ObjectType.CONFIG else [self.group]
+        if config_path.strip("/") != self.group or results_filter == ObjectType.GROUP:
+            return []
+        return self._names()
+
+    def _name(self, config_path: str) -> str:
+        group, _, name = config_path.partition("/")
+        return name.removesuffix(".yaml") if group == self.group and "/" not in name else ""
+
+
+class PlantSource(_FilesOfPython):
+    """A folder of plants: ``plant=NAME`` is ``NAME.py``, which is loaded when chosen."""
+
+    group, package = PLANT, "_global_"
 
     @staticmethod
     def scheme() -> str:
@@ -136,40 +186,31 @@ class PlantSource(ConfigSource):
 
         return plant_names(Path(self.path))
 
-    def load_config(self, config_path: str) -> ConfigResult:
-        """Return what the configuration of a test of this plant begins with; see `plant_settings`."""
+    def _settings(self, name: str) -> dict[str, Any]:
         from hjcamp.configuration.plant_settings import plant_settings
 
-        if not self.is_config(config_path):
-            raise ConfigLoadError(f"Config not found : {config_path}")
-        content = OmegaConf.create(plant_settings(self._name(config_path)))
-        header: dict[str, str | None] = {"package": "_global_"}
-        return ConfigResult(config=content, path=str(Path(self.path)), provider=self.provider, header=header)
+        return plant_settings(name)
 
-    def available(self) -> bool:
-        """Return whether the folder exists."""
-        return Path(self.path).is_dir()
 
-    def is_group(self, config_path: str) -> bool:
-        """Return whether the path is the group itself."""
-        return config_path.strip("/") in ("", PLANT)
+class RigSource(_FilesOfPython):
+    """A folder of rigs: ``rig=NAME`` is ``NAME.py``, which is loaded when a test needs it; in our own those that need no file."""
 
-    def is_config(self, config_path: str) -> bool:
-        """Return whether the folder holds a plant of that name."""
-        name = self._name(config_path)
-        return name != "" and name in self._names()
+    group, package = RIG, RIG
 
-    def list(self, config_path: str, results_filter: ObjectType | None) -> list[str]:
-        """Return the names of the plants, or of the one group."""
-        if config_path.strip("/") == "":
-            return [] if results_filter == ObjectType.CONFIG else [PLANT]
-        if config_path.strip("/") != PLANT or results_filter == ObjectType.GROUP:
-            return []
-        return self._names()
+    @staticmethod
+    def scheme() -> str:
+        """Return the scheme of the search path entries, ``rigs://FOLDER``."""
+        return "rigs"
 
-    def _name(self, config_path: str) -> str:
-        group, _, name = config_path.partition("/")
-        return name.removesuffix(".yaml") if group == PLANT and "/" not in name else ""
+    def _names(self) -> list[str]:
+        from hjcamp.rigs import SHIPPED, rig_names
+
+        return list(SHIPPED) if Path(self.path) == OWN_RIGS else rig_names(Path(self.path))
+
+    def _settings(self, name: str) -> dict[str, Any]:
+        from hjcamp.configuration.plant_settings import rig_settings
+
+        return rig_settings(name)
 
 
 class UserFoldersFirst(SearchPathPlugin):
@@ -186,6 +227,8 @@ class UserFoldersFirst(SearchPathPlugin):
         search_path.append("hjcamp", f"campaigns://{packaged_root() / 'campaigns'}", anchor=SearchPathQuery("main"))
         for folder in (*extension_folders("plants"), OWN_PLANTS):
             search_path.append("plants", f"plants://{folder}")
+        for folder in (*extension_folders("rigs"), OWN_RIGS):
+            search_path.append("rigs", f"rigs://{folder}")
 
 
 def milli(value: float) -> float:
@@ -222,6 +265,7 @@ def register() -> None:
     Hydra.get_mode = _mode  # type: ignore[method-assign]
     plugins.register(CampaignSource)
     plugins.register(PlantSource)
+    plugins.register(RigSource)
     plugins.register(UserFoldersFirst)
     optuna_sweeper.register()
     OmegaConf.register_new_resolver("milli", milli, replace=True)

@@ -17,6 +17,7 @@ from hjcamp.model.compile.compose import Composition
 from hjcamp.model.declare.base_values import checked_base, period_of
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.files.user_file import is_users
+from hjcamp.rigs import SHIPPED
 from hjcamp.schema import Group, between, checked
 from hjcamp.trajectories import build_trajectory
 
@@ -25,6 +26,7 @@ USUAL = {"controller": "given", "procedure": "at_once", "trajectory": "hold"}
 ABSENT = (*(group for group in usual_plant().settings() if group != "procedure"), "rig")
 GROUPS = ("plant", "controller", "trajectory", "procedure", "backend", "model")
 VALUES = ("parameters", "start")
+BACKENDS = ("simulation", "rig")
 
 
 class PlantGroup(Group):
@@ -33,6 +35,14 @@ class PlantGroup(Group):
     name: str
     scatter: float = between(0.0, 10.0)
     noise: float = between(0.0, 100.0)
+
+
+class PlantRig(Group):
+    """The choice of a rig: whether it must have passed its check, and what stops its drives where it has no watchdog."""
+
+    name: str
+    check_required: bool
+    interlock: str | None
 
 
 class PlantProcedure(Group):
@@ -60,10 +70,25 @@ def plant_settings(name: str) -> dict[str, Any]:
     }
 
 
+def rig_settings(name: str) -> dict[str, Any]:
+    """Return what the choice ``rig=NAME`` of another plant than the usual one sets; what else there is stands in the rig's file."""
+    return {"name": name, "check_required": True, "interlock": None}
+
+
+def rig_of_plant(given: Mapping[str, Any], plant: str) -> dict[str, Any]:
+    """Return the group ``rig`` of another plant's test: of a choice that the usual plant has too, what is of any plant."""
+    known = rig_settings("")
+    if given.get("name") not in SHIPPED and not set(given) <= set(known):
+        raise UsageError(
+            f"rig '{given.get('name')}' wires plant {DEFAULT}; plant {plant} needs a file rigs/NAME.py: hjcamp rigs new NAME"
+        )
+    return {key: given[key] for key in given if key in known}
+
+
 def check_plant_configuration(config: Mapping[str, Any], further_keys: tuple[str, ...]) -> None:
     """Raise ``UsageError`` for a configuration of a plant with which no test can be made."""
     for key in config:
-        if key not in (*GROUPS, *VALUES, "effects", "controller_model", *further_keys):
+        if key not in (*GROUPS, *VALUES, "rig", "effects", "controller_model", *further_keys):
             if key in ABSENT:
                 raise UsageError(f"plant {config['plant'].get('name')}: it has no group '{key}', which belongs to {DEFAULT}")
             raise unknown("group or parameter", str(key), (*GROUPS, *VALUES, "effects"))
@@ -72,15 +97,30 @@ def check_plant_configuration(config: Mapping[str, Any], further_keys: tuple[str
             raise UsageError(f"{group} is {shown(config.get(group))}; a choice of the group with its parameters is needed")
     checked(PlantGroup, config["plant"], "plant")
     plant = plant_in(config)
-    if config["backend"].get("name") != "simulation":
+    backend = config["backend"].get("name")
+    if backend not in BACKENDS:
         raise UsageError(
-            f"plant {plant.name}: backend '{config['backend'].get('name')}' has no wiring of it; use backend=simulation"
+            f"plant {plant.name}: backend '{backend}' has no wiring of it; use backend=simulation, or backend=rig rig=NAME"
         )
     checked(PlantProcedure, config["procedure"], "procedure")
     check_plant_controller(config["controller"], plant)
     _, unit = followed_unit(config, plant)
     build_trajectory(config["trajectory"], unit=unit)
     check_values(config, plant)
+    if backend == "rig":
+        _check_rig(config, plant)
+
+
+def _check_rig(config: Mapping[str, Any], plant: type[Plant]) -> None:
+    """Raise ``UsageError`` for a rig that is none, is of another plant, or does not reach what the test needs."""
+    from hjcamp.backends.rig.any_plant import backend
+
+    if not isinstance(config.get("rig"), Mapping):
+        raise UsageError(
+            f"plant {plant.name}: backend=rig needs a rig: rig=NAME of rigs/NAME.py, or one of {', '.join(SHIPPED)}"
+        )
+    checked(PlantRig, config["rig"], "rig")
+    backend.check_test(config)
 
 
 def check_plant_controller(given: Mapping[str, Any], plant: type[Plant]) -> None:

@@ -8,7 +8,7 @@ from hjcamp.controllers.controller import Controller
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.declare.law import Law
 from hjcamp.model.declare.plant import Plant
-from hjcamp.model.language.field_unit import unit_of_field
+from hjcamp.model.language.field_unit import field_of, unit_of_field
 
 REFERENCE = ("reference", "velocity", "acceleration")
 CLOCK = {"period": "h", "index": "index", "time": "time"}
@@ -24,6 +24,12 @@ def measured_fields(plant: type[Plant]) -> list[str]:
 def quantity(field: str) -> str:
     """Return the name of a field without its unit: ``position`` for ``position_mm``."""
     return field[: -len(unit_of_field(field, field).suffix) - 1]
+
+
+def input_field(plant: type[Plant], name: str) -> str:
+    """Return what the logs call an input."""
+    given = plant.inputs[name]
+    return given.field or field_of(name, given.unit, f"plant {plant.name}")
 
 
 def controlled_field(plant: type[Plant]) -> str:

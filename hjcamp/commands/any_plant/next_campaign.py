@@ -55,7 +55,7 @@ def _others_rest(done: PlantProposed, driven: str) -> bool:
 
 
 def _settings(done: PlantProposed, one: Proposed) -> dict[str, Any]:
-    from hjcamp.backends.plant_simulation import input_field
+    from hjcamp.controllers.fit import input_field
     from hjcamp.model.language.field_unit import unit_of_field
 
     plant = done.analysis.measured.plant

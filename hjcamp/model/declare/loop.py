@@ -58,3 +58,26 @@ def run_loop(  # type: ignore[no-untyped-def]
             record[k, ANSWERS + len(u) + i] = seen[i]
         remember(time, direction, z, u, p)
         direction = move(time, direction, z, u, p, plan, space, steps, h, a, before, counter)
+
+
+def tick(k, time, asked, now, z, u, p, plan, space, steps, h, counts, phases, noise, facing, work):  # type: ignore[no-untyped-def]
+    """Move the plant from sample k - 1 to sample ``k`` under the inputs ``asked``, then read it into ``work[3]``.
+
+    ``time`` (s) is that of sample k, ``now`` the inputs while it is read, ``facing`` (1,) the regime of its contact. Sample 0 is the
+    start; what `run_loop` does at once is done here one by one.
+    """
+    a, before, counter, seen = work[0], work[1], work[2], work[3]
+    if k > 0:
+        for i in range(len(u)):
+            u[i] = asked[i]
+        remember(time - h, facing[0], z, u, p)
+        facing[0] = move(time - h, facing[0], z, u, p, plan, space, steps, h, a, before, counter)
+    for i in range(len(u)):
+        u[i] = now[i]
+    if k == 0:
+        begin(time, facing[0], z, u, p)
+    readings(time, facing[0], z, u, p, seen)
+    for i in range(READINGS):
+        seen[i] += noise[i]
+        if counts[i] > 0.0:
+            seen[i] = np.floor(seen[i] / counts[i] + phases[i]) * counts[i]

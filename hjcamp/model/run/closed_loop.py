@@ -67,11 +67,22 @@ class LoopSimulator(Simulator):
             f"GIVEN = {given}",
             f"ANSWERS = {len(self.law.results)}",
         ]
-        text = "\n".join(lines) + "\n\n\n" + law_source(self.law, "control")
-        if self.actuation is not None:
-            text += law_source(self.actuation, "actuate")
-        text += self._command() + f"@inlined\n{inspect.getsource(loop.late_input)}\n\n@loop\n{inspect.getsource(loop.run_loop)}"
+        text = "\n".join(lines) + "\n\n\n" + self.law_text()
+        text += f"@inlined\n{inspect.getsource(loop.late_input)}\n\n@loop\n{inspect.getsource(loop.run_loop)}"
         return kernel_source(self.composition, text)
+
+    def law_text(self) -> str:
+        """Return the text of the law and the actuation, and of ``command`` between the readings and the inputs."""
+        moved = "" if self.actuation is None else law_source(self.actuation, "actuate")
+        return law_source(self.law, "control") + moved + self._command()
+
+    def actuator(self, p: Array) -> tuple[Array, Array]:
+        """Return the parameters and the memory of the actuation; one number each where there is none."""
+        moving = self.actuation
+        if moving is None:
+            return np.zeros(1), np.zeros(1)
+        values = dict(zip(self.composition.parameters, p, strict=True))
+        return moving.vector({name: values[name] for name in moving.parameters}), moving.fresh_memory()
 
     def _command(self) -> str:
         """Return the function between the readings and the inputs, in the names of the laws."""
@@ -118,13 +129,7 @@ class LoopSimulator(Simulator):
             z[self.states.index(name)] = value
         answers, inputs, measured = self.law.results, composition.inputs, composition.measured
         record = np.empty((len(test.inputs), len(answers) + len(inputs) + len(measured)))
-        moving = self.actuation
-        values = dict(zip(composition.parameters, p, strict=True))
-        ap, am = (
-            (moving.vector({name: values[name] for name in moving.parameters}), moving.fresh_memory())
-            if moving is not None
-            else (np.zeros(1), np.zeros(1))
-        )
+        ap, am = self.actuator(p)
         work = self.scratch()
         work[2, 3], work[2, 5] = BEFORE * tolerance, tolerance
         period = composition.plant.period

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from hjcamp.backends.virtual_rig import faults
+from hjcamp.backends.virtual_rig.faults import Fault
 
-from hjcamp.errors import UsageError, unknown
+__all__ = ["KINDS", "Fault", "parse_fault"]
 
 KINDS = {
     "stuck_encoder": "the arm encoder repeats its last count",
@@ -26,22 +27,6 @@ KINDS = {
 }
 
 
-@dataclass(frozen=True)
-class Fault:
-    """A fault that begins at ``sample`` of test number ``test``, or of every test where that is 0."""
-
-    kind: str
-    sample: int = 0
-    test: int = 0
-
-
 def parse_fault(text: str) -> Fault:
     """Return the fault written as ``KIND``, ``KIND@SAMPLE`` or ``KIND@SAMPLE#TEST``."""
-    rest, _, test = text.partition("#")
-    kind, _, sample = rest.partition("@")
-    if kind not in KINDS:
-        raise unknown("fault", kind, KINDS, f"'{text}'")
-    try:
-        return Fault(kind, int(sample or 0), int(test or 0))
-    except ValueError:
-        raise UsageError(f"fault '{text}': expected KIND@SAMPLE or KIND@SAMPLE#TEST with whole numbers") from None
+    return faults.parse_fault(text, KINDS)
