@@ -132,7 +132,7 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
     if law.planned:
         planned = law.plan(reference, gains, known, plant.period)
         reference = np.column_stack([reference, planned])
-    drawn = draws(config, simulator, known, generator, len(rows), law.begin(gains, known))
+    random = draws(config, simulator, known, generator, len(rows), law.begin(gains, known))
     # what acts earlier than its log says does so on paper alone: no loop sends a command before it knows it
     late = np.array([max(delays.get(name, 0.0), 0.0) for name in simulator.composition.inputs]) / plant.period
     test = LoopTest(
@@ -140,13 +140,13 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
         first=rest,
         last=rest + len(reference),
         reference=reference[rows],
-        inputs=drawn.inputs,
+        inputs=random.inputs,
         late=late,
-        counts=drawn.counts,
-        phases=drawn.phases,
-        noise=drawn.noise,
+        counts=random.counts,
+        phases=random.phases,
+        noise=random.noise,
     )
-    return Prepared(simulator, p, drawn.start, test)
+    return Prepared(simulator, p, random.start, test)
 
 
 @dataclass(frozen=True)

@@ -88,6 +88,8 @@ class Rig:
     channels: ClassVar[tuple[Channel, ...]] = ()
     reads: ClassVar[tuple[str, ...]] = ()
     real: ClassVar[bool] = True
+    #: Whether the device itself says, once it is opened, whether it has a watchdog.
+    says_at_open: ClassVar[bool] = False
     paced: bool = False
     lockstep: bool = False
     watchdog_s: float | None = None

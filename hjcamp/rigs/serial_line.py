@@ -25,6 +25,7 @@ class SerialRig(Rig):
     port: ClassVar[str] = ""
     baud: ClassVar[int] = 115200
     token: ClassVar[str] = "-"
+    says_at_open = True
     paced = True
     period: float = 0.0
     _line: Line | None = None

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 from hjcamp.backends.plant_simulation import apart, law_of, law_values, model_of, plant_in, prepare
 from hjcamp.backends.rig.fault import RigUnavailable
+from hjcamp.backends.virtual_rig.device import sensed, wiring_of_plant
 from hjcamp.backends.virtual_rig.server import ticket_path
 from hjcamp.backends.virtual_rig.stepping import VirtualPlant
-from hjcamp.controllers.fit import input_field
 from hjcamp.json_text import read_json
-from hjcamp.model.language.field_unit import unit_of_field
-from hjcamp.rigs.fit import channels_of_plant
+from hjcamp.rigs.fit import Wiring, channels_of_plant
 from hjcamp.rigs.rig import Rig
 from hjcamp.rigs.serial_line import SerialRig
 
@@ -24,39 +23,43 @@ def shipped_rig(name: str, config: Mapping[str, Any]) -> Rig:
     return simulated(config) if name == "simulated" else served(config)
 
 
+def plant_of_test(config: Mapping[str, Any], seed: int) -> VirtualPlant:
+    """Return the plant of a test with the draws of ``backend=simulation``, brought to where the law begins."""
+    plant, test = plant_in(config), prepare(config, seed).test
+    law, _ = law_of(config)
+    known = {one: item.default for one, item in plant.parameters.items()} | apart(model_of(config, plant)[1])[0]
+    return VirtualPlant(config, seed, len(test.inputs), test.first, law.begin(law_values(config, law), known))
+
+
+class Stepped(Rig):
+    """A rig whose plant is simulated in this process: one sample for each read."""
+
+    real, lockstep, paced = False, True, True
+    config: ClassVar[Mapping[str, Any]] = {}
+    wiring: ClassVar[Wiring]
+    deadline_s = SLOW_S
+
+    def open(self) -> None:
+        """Put the plant to the start of the test."""
+        self._stepping = plant_of_test(self.config, self.seed)
+        self.put: list[float] = [one.sign * one.safe for one in self.given]
+
+    def read(self) -> Sequence[float]:
+        """Return the next sample."""
+        found = sensed(self._stepping, self.wiring, self.put)
+        self.sample = self._stepping.sample
+        return found
+
+    def write(self, values: Sequence[float]) -> None:
+        """Set the outputs."""
+        self.put = list(values)
+
+
 def simulated(config: Mapping[str, Any]) -> Rig:
     """Return the plant of a configuration, simulated in this process: the tests are those of ``backend=simulation``."""
-    plant = plant_in(config)
-
-    class Simulated(Rig):
-        """The plant itself, one sample for each read."""
-
-        name, real, lockstep, paced = "simulated", False, True, True
-        channels = channels_of_plant(plant)
-        deadline_s = SLOW_S
-        _plant: VirtualPlant
-
-        def open(self) -> None:
-            test = prepare(config, self.seed).test
-            law, _ = law_of(config)
-            values = apart(model_of(config, plant)[1])[0]
-            known = {one: item.default for one, item in plant.parameters.items()} | values
-            brought = law.begin(law_values(config, law), known)
-            self._plant = VirtualPlant(config, self.seed, len(test.inputs), test.first, brought)
-            self._put = dict.fromkeys((one.name for one in self.given), 0.0)
-            self._out = [unit_of_field(input_field(plant, one.name), plant.name).scale for one in self.given]
-            self._in = [unit_of_field(one.name, plant.name).scale for one in self.measured]
-
-        def read(self) -> Sequence[float]:
-            seen = self._plant.advance(self._put)
-            self.sample = self._plant.sample
-            return [float(value * scale) for value, scale in zip(seen, self._in, strict=True)]
-
-        def write(self, values: Sequence[float]) -> None:
-            told = zip(self.given, values, self._out, strict=True)
-            self._put = {one.name: value / scale for one, value, scale in told}
-
-    return Simulated()
+    wiring = wiring_of_plant(plant_in(config))
+    own = {"config": config, "wiring": wiring, "channels": channels_of_plant(wiring.plant), "name": "simulated"}
+    return type("Simulated", (Stepped,), own)()
 
 
 def served(config: Mapping[str, Any]) -> Rig:

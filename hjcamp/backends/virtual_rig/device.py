@@ -4,20 +4,35 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from hjcamp.backends.plant_simulation import plant_in
 from hjcamp.backends.virtual_rig.faults import Fault
 from hjcamp.backends.virtual_rig.stepping import VirtualPlant
-from hjcamp.controllers.fit import input_field, measured_fields
 from hjcamp.errors import HjcampError
-from hjcamp.model.language.field_unit import unit_of_field
+from hjcamp.model.declare.plant import Plant
+from hjcamp.rigs.fit import Wiring, channels_of_plant, wired
 from hjcamp.rigs.protocol import ERROR, HELLO, READ, SAFE, SAMPLE, VERSION, WRITE, BadLine, message, numbers, parts_of
+from hjcamp.rigs.rig import Rig
 
 TICK_S = 2e-3
 MISSED = 10
 LATE_S = 5.0
+
+
+def wiring_of_plant(plant: type[Plant]) -> Wiring:
+    """Return the wiring of a rig that has what the plant has, under its names and in its units."""
+    own = type("Own", (Rig,), {"channels": channels_of_plant(plant)})
+    return wired(own, plant)
+
+
+def sensed(plant: VirtualPlant, wiring: Wiring, outputs: Sequence[float]) -> list[float]:
+    """Go on to the next sample under ``outputs``; return what a driver with this wiring reads, in its order, units and signs."""
+    seen = plant.advance({one.name: value / one.scale for one, value in zip(wiring.given, outputs, strict=True)})
+    told = [float(value * one.scale) for one, value in zip(wiring.measured, seen, strict=True)]
+    told += [plant.plant.inputs[one.name].default * one.scale for one in wiring.read]
+    return [told[wiring.order.index(place)] for place in range(len(told))]
 
 
 class LineClosed(Exception):  # noqa: N818 - it is a state of the line
@@ -28,8 +43,8 @@ class VirtualDevice:
     """A plant as a microcontroller has it. Without ``rate`` a read is the next sample; with it the plant's time passes by itself.
 
     ``written`` keeps (sample, inputs) of every change of an output, ``trips`` (sample of the last write, sample of the trip) of the
-    watchdog, so that a test can see when the rig was safe; ``report`` is told of each trip. All names are fields or inputs of the
-    plant, all numbers in the units of the fields.
+    watchdog, so that a test can see when the rig was safe; ``report`` is told of each trip. Names and numbers are those of the
+    channels of ``wiring``; without it fields and inputs of the plant, in the units of the fields.
     """
 
     def __init__(
@@ -40,12 +55,13 @@ class VirtualDevice:
         watchdog_s: float = 0.05,
         token: str = "",
         report: Callable[[str], None] = lambda text: None,
+        wiring: Wiring | None = None,
     ) -> None:
         plant = plant_in(config)
         self.plant, self.faults, self.rate, self.token = plant, list(faults), rate, token
-        self.measured, self.given = measured_fields(plant), list(plant.given_inputs())
-        self._scales = [unit_of_field(one, plant.name).scale for one in self.measured]
-        self._input_scales = [unit_of_field(input_field(plant, one), plant.name).scale for one in self.given]
+        self.wiring = wiring or wiring_of_plant(plant)
+        self.measured = [one.name for one in self.wiring.readings]
+        self.given = [one.channel.name for one in self.wiring.given]
         self.watchdog = max(round(watchdog_s / plant.period), 1)
         self.lock = threading.RLock()
         self.written: list[tuple[int, tuple[float, ...]]] = []
@@ -76,8 +92,10 @@ class VirtualDevice:
         plant = VirtualPlant(self._config, seed)
         with self.lock:
             self._plant, self.tests = plant, self.tests + 1
-            self.outputs, self.last_write, self._tripped, self._read_at = self.safe, None, False, -1
-            self.written, self.trips, self._done = [], [], set()
+            self.outputs, self._tripped, self._read_at = self.safe, False, -1
+            self.last_write: int | None = None
+            self.written, self.trips = [], []
+            self._done: set[str] = set()
             self._seen: list[float] = []
             self._advance()
             self._began = time.monotonic()
@@ -202,8 +220,7 @@ class VirtualDevice:
 
     def _advance(self) -> None:
         assert self._plant is not None
-        given = {name: value / scale for name, value, scale in zip(self.given, self.outputs, self._input_scales, strict=True)}
-        seen = [float(value * scale) for value, scale in zip(self._plant.advance(given), self._scales, strict=True)]
+        seen = sensed(self._plant, self.wiring, self.outputs)
         self._seen = [self._seen[0], *seen[1:]] if self._seen and self.due("stuck") else seen
         if self.last_write is not None and self.sample - self.last_write >= self.watchdog:
             self.trips.append((self.last_write, self.sample))

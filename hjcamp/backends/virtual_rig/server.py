@@ -20,11 +20,22 @@ from hjcamp.rigs.protocol import ERROR, LONGEST_LINE, message
 from hjcamp.storage import user_folder
 
 HOST = "127.0.0.1"
+LOCAL_HOSTS = ("localhost", HOST)
 
 
 def new_token() -> str:
     """Return a word that nobody guesses."""
     return secrets.token_hex(16)
+
+
+def port_of(address: str) -> int:
+    """Return the port of ``localhost:PORT``; raises ``UsageError`` for an address that other computers reach, or none."""
+    host, _, number = address.rpartition(":")
+    if host not in LOCAL_HOSTS or not number.isdigit() or int(number) > 65535:
+        raise UsageError(
+            f"address '{address}': localhost:PORT is needed; a virtual rig of a plant is served to this computer alone"
+        )
+    return int(number)
 
 
 class Served:

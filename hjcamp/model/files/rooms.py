@@ -26,6 +26,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "simulation": ("run_test", "kernel_texts"),
     "nidaqmx": ("run_test",),
     "watches": ("rig_watches",),
+    "rig": ("serve", "check"),
     "effects": ("configured", "draw", "paint", "checks"),
     "curve": ("begun",),
     "tune": ("stability_method", "tune_campaign"),

@@ -18,6 +18,7 @@ ROOMS = {
     "configuration": f"{HERE}.configuration",
     "simulation": f"{HERE}.simulation",
     "nidaqmx": f"{HERE}.rig.nidaqmx",
+    "rig": f"{HERE}.answers.rig",
     "watches": f"{HERE}.rig.margins",
     "indicators": f"{HERE}.indicators",
     "panels": f"{HERE}.figures.panels",

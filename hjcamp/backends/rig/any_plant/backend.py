@@ -32,6 +32,7 @@ from hjcamp.backends.rig.timing import LoopTiming, undisturbed
 from hjcamp.controllers.fit import sources
 from hjcamp.errors import RigStopped
 from hjcamp.model.checks.watch import Watch
+from hjcamp.rigs.rig import Rig
 
 Array = NDArray[np.float64]
 
@@ -58,8 +59,13 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
     draws; a real one has its own scatter.
     """
     rig = rig_in(config)
-    wiring = wiring_of(rig, config)
     require_check(rig, config)
+    return run_on(rig, config, seed)
+
+
+def run_on(rig: Rig, config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], dict[str, str]]:
+    """Make one test on a rig that is not open yet, as `run_test` does."""
+    wiring = wiring_of(rig, config)
     prepared = prepare(config, seed)
     control = PlantControl(prepared)
     recording = current_recording()
@@ -132,11 +138,15 @@ def _facts(session: Session) -> dict[str, str]:
 
 def notices(config: Mapping[str, Any]) -> list[str]:
     """Return what a person must know of this rig; a device that has a watchdog may say so only once it is opened."""
-    return [] if rig_in(config).paced else guard_of(rig_in(config)).notices()
+    rig = rig_in(config)
+    return [] if rig.says_at_open else guard_of(rig).notices()
 
 
 def before_moving(config: Mapping[str, Any]) -> list[str]:
     """Return the same at the start of a run; raises ``UsageError`` where nothing must move."""
+    rig = rig_in(config)
+    if not rig.says_at_open:
+        guard_of(rig).require()
     return notices(config)
 
 

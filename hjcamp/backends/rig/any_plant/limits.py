@@ -127,9 +127,9 @@ def plant_watches(rig: type[Rig] | Rig, wiring: Wiring, tracked: bool) -> list[W
     for one in limits_of(wiring):
         factor = one.wire.channel.sign * one.wire.scale / abs(one.wire.scale)
         term = Term(one.wire.field, factor * _per_field(one.wire))
-        ends = [end if isfinite(end) else None for end in (one.low, one.high)]
-        if any(end is not None for end in ends):
-            found.append(Watch(one.wire.field, one.wire.unit, (term,), *ends))
+        low, high = (end if isfinite(end) else None for end in (one.low, one.high))
+        if low is not None or high is not None:
+            found.append(Watch(one.wire.field, one.wire.unit, (term,), low, high))
         if isfinite(one.fastest):
             rate = term.factor / (SPEED_SAMPLES * wiring.plant.period)
             terms = (Term(one.wire.field, rate), Term(one.wire.field, -rate, SPEED_SAMPLES))
