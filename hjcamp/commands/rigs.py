@@ -55,13 +55,13 @@ def show_list() -> dict[str, Any]:
 
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.model.files.user_file import file_of
-    from hjcamp.rigs import SHIPPED, rigs_beside_faults
+    from hjcamp.rigs import SHIPPED, rigs_and_faults
 
     table = Table(box=None, header_style="bold", pad_edge=False)
     for column in ("rig", "plant", "what it is", "channels", "guard"):
         table.add_column(column, no_wrap=column == "rig")
     rows: list[dict[str, Any]] = []
-    found, faults = rigs_beside_faults()
+    found, faults = rigs_and_faults()
     for name, text in SHIPPED.items():
         table.add_row(name, "any", text, "all", "nothing can be hurt")
         rows.append({"name": name, "plant": "", "text": text, "channels": [], "file": ""})

@@ -35,7 +35,7 @@ def find_rig(name: str, where: str = "rig") -> type[Rig]:
     return scan_files([(name, path) for path in wanted], "rig.py", Rig, {})[name]
 
 
-def rigs_beside_faults() -> tuple[dict[str, type[Rig]], dict[str, str]]:
+def rigs_and_faults() -> tuple[dict[str, type[Rig]], dict[str, str]]:
     """Return every rig of the user's by name, and what is wrong with the files that hold none."""
     found: dict[str, type[Rig]] = {}
     faults: dict[str, str] = {}

@@ -101,7 +101,7 @@ def test_laws_and_commands_are_found_in_the_folders_of_plants() -> None:
         for path in folder.glob("[!_]*.py"):
             assert laws[path.stem].__module__ == f"{package}.{path.stem}"
     assert laws["given"].__module__ == "hjcamp.controllers.given"
-    assert command_files()["rig"].parts[-3:] == ("pump_joint", "commands", "rig.py")
+    assert command_files()["sizing"].parts[-3:] == ("pump_joint", "commands", "sizing.py")
     assert list(command_files()) == sorted(command_files())
 
 
