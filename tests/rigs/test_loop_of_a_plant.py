@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import MOTION, RIG, Made
+from lab_of_rigs import MOTION, RIG, Made
 
 from hjcamp import backends, cli
 from hjcamp.backends.rig.any_plant.backend import run_on
@@ -96,6 +96,7 @@ DRIVEN = RIG.replace("range=(-10.0, 10.0)", "range=(-10.0, 10.0), nudge=2.0").re
     "    def read(self):\n        return [0.0]\n    def write(self, values):\n        pass\n",
     """    interlock = "none"
     missed_at_once = missed_in_all = 10**6
+    clipped_s = 9.0
     deadline_s = 5.0
     def open(self):
         self.v = self.x = self.u = 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from conftest import MOTION, RIG
+from lab_of_rigs import MOTION, RIG
 
 from hjcamp import cli
 
