@@ -39,6 +39,7 @@ def holder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[subproce
     """Another process that holds the lock of "the test rig"."""
     monkeypatch.setattr(rig_lock, "rig_identity", lambda config: "the test rig")
     monkeypatch.setattr(rig_lock, "lock_folder", lambda: tmp_path)
+    monkeypatch.setattr("hjcamp.backends.rig.lock.lock_folder", lambda: tmp_path)
     environment = {**os.environ, "PYTHONPATH": str(Path(rig_lock.__file__).parents[3])}
     process = subprocess.Popen(
         [sys.executable, "-c", HOLDER, str(tmp_path)], stdout=subprocess.PIPE, text=True, env=environment
