@@ -3,37 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from plant_texts import TANKS
 
 from hjcamp.records.log import TestLog
 
 PERIOD, SMALL = 4.0, 20
 BETWEEN, OUTFLOW, PUMP, NOISE, SPILL, CAUGHT = 0.05, 0.05, 0.033, 0.01, 0.1, 0.5
-PLANT = '''"""Two tanks, one above the other."""
-
-from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, path, sensor, sqrt, store
-
-
-class Tanks(Plant):
-    """A pump fills the upper one of two tanks, which runs out into the lower one."""
-
-    period = 4
-    upper = State("V", typical=5.0, low=0.0, start="unknown")
-    lower = State("V", typical=5.0, low=0.0)
-    pump = Input("V", typical=3.0)
-    k1 = Parameter("V**0.5/s", 0.04, (1e-4, 1.0), "log-uniform", base=True)
-    k3 = Parameter("V**0.5/s", 0.04, (1e-4, 1.0), "log-uniform", base=True)
-    k4 = Parameter("1/s", 0.04, (1e-4, 1.0), "log-uniform", base=True)
-    level_v = Measured("gauge", of="lower")
-
-    @staticmethod
-    def equations(state, parameter, drive, rate):
-        inflow = actuator(parameter.k4 * drive.pump)
-        between = path(parameter.k1 * sqrt(state.upper), upstream=state.upper, downstream=state.lower)
-        outflow = path(parameter.k3 * sqrt(state.lower), upstream=state.lower)
-        rate.upper = store(inflow - between)
-        rate.lower = store(between - outflow)
-        gauge = sensor(state.lower)
-'''
+PLANT = TANKS.replace("    upper =", "    period = 4\n    upper =").replace("0.05, (1e-4", "0.04, (1e-4")
 
 
 def measured_log(

@@ -3,27 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from plant_texts import SLAB
 
-PLANT = '''"""A block that is heated."""
-
-from hjcamp.plant import Input, Measured, Parameter, Plant, State, sensor
-
-
-class Slab(Plant):
-    """A block that cools to a room at 0."""
-
-    warmth = State("K", typical=20.0)
-    power = Input("W", typical=50.0)
-    capacity = Parameter("J/K", 200.0)
-    loss = Parameter("W/K", 2.0, (0.01, 100.0), "log-uniform", base=True)
-    period = 1.0
-    warmth_k = Measured("probe", of="warmth")
-
-    @staticmethod
-    def equations(state, parameter, drive, rate):
-        rate.warmth = (drive.power - parameter.loss * state.warmth) / parameter.capacity
-        probe = sensor(state.warmth)
-'''
+PLANT = SLAB
 NOISE = 0.2
 
 

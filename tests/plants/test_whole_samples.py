@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plant_texts import SLAB
 from quiet_loop import columns, simulator, sine
 
 from hjcamp.effects import load_effects
@@ -34,26 +35,7 @@ def test_whole_samples_are_moved_as_in_steps(monkeypatch) -> None:  # type: igno
         assert short["events"] > 0
 
 
-PLANT = '''"""A block that is heated."""
-
-from hjcamp.plant import Input, Measured, Parameter, Plant, State, sensor
-
-
-class Block(Plant):
-    """A block that cools to a room at 0."""
-
-    warmth = State("K", typical=20.0)
-    power = Input("W", typical=50.0)
-    capacity = Parameter("J/K", 200.0, (1.0, 1e4), "log-uniform", base=True)
-    loss = Parameter("W/K", 2.0, (0.01, 100.0), "log-uniform", base=True)
-    period = 1.0
-    warmth_k = Measured("probe", of="warmth")
-
-    @staticmethod
-    def equations(state, parameter, drive, rate):
-        rate.warmth = (drive.power - parameter.loss * state.warmth) / parameter.capacity
-        probe = sensor(state.warmth)
-'''
+PLANT = SLAB.replace('"J/K", 200.0)', '"J/K", 200.0, (1.0, 1e4), "log-uniform", base=True)')
 
 
 def test_the_state_of_an_effect_behind_a_gate_is_moved_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
