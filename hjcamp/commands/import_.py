@@ -14,6 +14,7 @@ from hjcamp.errors import UsageError, counted
 from hjcamp.known_plants import DEFAULT
 from hjcamp.storage import check_place
 
+NEW = "new"
 HELP = """Turn measurements from elsewhere into test logs.
 
 FILE is CSV, MATLAB, NumPy (.npz), Parquet or MCAP (JSON or protobuf messages); with pip install 'hjcamp[files]' also a workbook
@@ -52,8 +53,14 @@ def register(app: typer.Typer) -> None:
 
 
 def import_table(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="The files, all by one map.")],
-    mapping: Annotated[Path, typer.Option("--map", help="Which column is which field, in which unit (YAML).")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="The files, or a folder of them, all by one map.")],
+    mapping: Annotated[
+        Path,
+        typer.Option(
+            "--map", help="Which column is which field, in which unit (YAML); 'new' writes one, as the header suggests."
+        ),
+    ],
+    plant: Annotated[str | None, typer.Option(help="Of --map new: the plant.")] = None,
     into: Annotated[Path | None, typer.Option(help="The folder of the new logs; next to each file by default.")] = None,
     output: Annotated[Path | None, typer.Option(help="The new log of one file; FILE.mcap by default.")] = None,
     json: AnswerFile = None,
@@ -70,6 +77,12 @@ def import_table(
     from hjcamp.records.sets.look import lines_of, look_at
 
     check_answer_file(json)
+    files = files_of(files, into)
+    if str(mapping) == NEW:
+        write_new_map(files, plant or DEFAULT, output)
+        return
+    if plant is not None:
+        raise UsageError(f"--plant {plant}: the plant stands in {mapping}; the option is of --map {NEW}")
     targets = targets_of(files, into, output)
     rules = read_import_map(mapping)
     _check_hardware([rules.metadata, *rules.files.values()], (*rules.plant.rig, *rules.plant.setups), mapping)
@@ -104,6 +117,50 @@ def import_table(
     for column, names in rules.taken_twice.items():
         print(f"{mapping}: warning: {' and '.join(names)} are made of one column, '{column}'", file=sys.stderr)
     print(f"next  hjcamp compare {joined([into] if into and len(targets) > 1 else targets)}")
+
+
+def files_of(files: Sequence[Path], into: Path | None) -> list[Path]:
+    """Return the files, those of a folder in its place; raises UsageError where a folder holds none that can be read."""
+    from hjcamp.records.elsewhere.readers import endings
+
+    found: list[Path] = []
+    for one in files:
+        if not one.is_dir():
+            found.append(one)
+            continue
+        own = sorted(path for path in one.iterdir() if path.is_file() and path.suffix.casefold() in endings())
+        if not own:
+            raise UsageError(f"{one}: this folder has no file that ends in {', '.join(endings())}")
+        if into is None and len(own) > 1:
+            raise UsageError(f"{one}: this is a folder; give --into DIR for the logs of its {len(own)} files")
+        found += own
+    return found
+
+
+def write_new_map(files: Sequence[Path], plant: str, output: Path | None) -> None:
+    """Write the map that the header of the first file suggests, and say what of it is open."""
+    from hjcamp.analyses.data import joined
+    from hjcamp.known_plants import find_plant
+    from hjcamp.model.checks.plant_checks import check_users_plant
+    from hjcamp.records.elsewhere.guess import guess_map
+    from hjcamp.storage import whole_file
+
+    target = output or files[0].with_name(f"{files[0].stem}_map.yaml")
+    check_place(target, "--output" if output else "")
+    if target.exists():
+        raise UsageError(f"{target}: exists already; delete it, or give another name: --output MAP.yaml")
+    chosen = find_plant(plant, "--plant")
+    check_users_plant(chosen)
+    guess = guess_map(files[0], chosen)
+    with whole_file(target) as stream:
+        stream.write(guess.text.encode())
+    print(f"{target}: guessed from the columns of {files[0]}; look it through")
+    if guess.open:
+        print(f"  open (?): {', '.join(guess.open)}")
+    if guess.unused:
+        print(f"  not used: {', '.join(guess.unused[:20])}{', ...' if len(guess.unused) > 20 else ''}")
+    into = " --into DIR" if len(files) > 1 else ""
+    print(f"next  hjcamp import {joined(files if len(files) < 4 else [files[0].parent])} --map {joined([target])}{into}")
 
 
 def targets_of(files: Sequence[Path], into: Path | None, output: Path | None) -> list[Path]:

@@ -41,6 +41,7 @@ FIELD_KEYS = ("column", "topic", "unit", "scale", "offset", "sign", "unwrap")
 GAPS = ("refuse", "interpolate")
 SPIKES = ("keep", "interpolate")
 FILE_WORD = "{file}"
+OPEN = "?"  # what a guessed map leaves to be answered
 # What YAML reads as something else than the name that stands there.
 READ_OTHERWISE = re.compile(r"[\[\]{}\"'#&*!|>%@`]|:\s.*:\s")
 
@@ -140,6 +141,7 @@ def read_import_map(path: Path) -> ImportMap:
     where = str(path)
     content = _content(path)
     only_known(content, KEYS, "key", where)
+    _refuse_open(content, where)
     plant = find_plant(_text(content, "plant", where) or DEFAULT, where)
     check_users_plant(plant)
     table = fields_of(plant)
@@ -216,6 +218,16 @@ def _quoted(unit: str) -> str:
 
 def _example_value(name: str, item: Parameter) -> float:
     return item.default * _scale_of(name, item.unit)[0]
+
+
+def _refuse_open(content: Mapping[str, Any], where: str) -> None:
+    """Raise UsageError where a guessed map still has a question mark; it says where all of them are."""
+    fields = content.get("fields")
+    places = [key for key, value in content.items() if value == OPEN]
+    for name, rule in fields.items() if isinstance(fields, Mapping) else ():
+        places += [f"{key} of {name}" for key, value in rule.items() if value == OPEN] if isinstance(rule, Mapping) else []
+    if places:
+        raise UsageError(f"{where}: still open: {', '.join(map(str, places))}; write what stands for '{OPEN}', or delete the line")
 
 
 def _text(content: Mapping[str, Any], key: str, where: str) -> str:
