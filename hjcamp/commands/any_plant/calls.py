@@ -23,6 +23,7 @@ def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.analyses.diagnosing import diagnose_plant
+        from hjcamp.commands.any_plant.next_commands import next_commands
         from hjcamp.commands.any_plant.pages import write_diagnosis
         from hjcamp.commands.any_plant.printed_diagnosis import print_diagnosis
         from hjcamp.commands.any_plant.verdict_words import Words
@@ -32,7 +33,7 @@ def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
         report("drawing", 0.99)
         words = Words(done.analysis, done.verdict, done.content)
         folder = folder_for("diagnose", data.paths, json)
-        following = words.next_commands(joined(data.paths), asked.model, joined([folder]))
+        following = next_commands(words, joined(data.paths), asked.model, joined([folder]))
         if data.common and data.plant.name != data.plant_name:
             # its names are those of no model that the other commands read
             following = [f"hjcamp diagnose {joined(data.paths)}   # by the diagnosis of plant {data.plant_name} itself"]

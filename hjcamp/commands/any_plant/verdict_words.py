@@ -175,7 +175,9 @@ class Words:
         """Say what is found that has no name: a non-parametric term, an oscillation, other parameters in each condition, a constant."""
         verdict, error, first, found = self.verdict, self.content["error"], self._first_law, list[str]()
         if verdict.word == "outside_library" and first:
-            found += formula_words(self.content["formulas"], described_term(first), self.driver_words, self.analysis.noise_floor.source)
+            found += formula_words(
+                self.content["formulas"], described_term(first), self.driver_words, self.analysis.noise_floor.source
+            )
             found.append(
                 f"{with_article(described_term(first), begins=True)}, as a non-parametric term, predicts better than any "
                 "effect of the library: "
@@ -325,31 +327,3 @@ class Words:
         """What the sign before an effect says, where one of those shown has it."""
         others = dict.fromkeys(name for one in self.content["candidates"][:SHOWN] for name in one.get("beside", ()))
         return [f"+: added after {' and '.join(others)}; compared with the model that includes it."] if others else []
-
-    def next_commands(self, paths: str, model: str, folder: str = "diagnose") -> list[str]:
-        """The commands that go on from the answer."""
-        own = "" if model == "published" else f" --model {model}"
-        # no law of an effect can know a course of its own in each condition
-        curve = bool(self.content["unknowns"]) and not self.content["unknowns"][0]["apart_s"]
-        law = f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing in addition"
-        further = [law] if curve and self.beyond_names else []
-        if self.verdict.word == "effect":
-            added, named = " ".join(self.verdict.effects), "_and_".join(self.verdict.effects)
-            return [f"hjcamp add {added} {paths}{own} --as with_{named}", *further]
-        if self.verdict.word == "one_of":
-            sets = self.verdict.confidence_set[:2]
-            adds = [f"hjcamp add {' '.join(one)} {paths}{own} --as with_{'_and_'.join(one)}" for one in sets]
-            return [f"hjcamp next {paths}{own}", *adds, *further]
-        if self.verdict.word == "outside_library":
-            if self.content["by_condition"] and not self.content["unknowns"]:
-                return ["hjcamp calibrate LOGS_OF_ONE --as NAME   # each specimen or condition by itself"]
-            begun, formulas = f" --from {folder}" if curve else "", self.content["formulas"]
-            if formulas and not formulas["none"]:
-                form = formulas["forms"][0]["form"]
-                return [f"hjcamp effects new MY_EFFECT{begun} --form {form}   # then: hjcamp diagnose {paths}{own}"]
-            return [f"hjcamp effects new MY_EFFECT{begun}   # write its law, then: hjcamp diagnose {paths}{own}"]
-        held = any(row.get("held") for row in self.content["calibration"].values())
-        rivals = (
-            self.verdict.word == "cannot_tell" and not held and any(left_of(row) < 1.0 for row in self.content["candidates"])
-        )
-        return [*([f"hjcamp next {paths}{own}"] if rivals else []), f"hjcamp compare {paths}{own}"]

@@ -10,6 +10,7 @@ import pytest
 from flywheel import GAIN, INERTIA, PERIOD, PLANT, VISCOUS
 
 from hjcamp.analyses.data import silent
+from hjcamp.commands.any_plant.next_commands import next_commands
 from hjcamp.commands.any_plant.outside_words import by_condition_words
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
@@ -81,7 +82,7 @@ def test_another_specimen_is_told_without_repetitions_and_calibrated_by_itself(
     words = Words(analysis, verdict, answer(analysis, verdict, 0.0))
     assert words.title == "OUTSIDE THE LIBRARY  parameters differ by condition" and not verdict.lacking
     assert verdict.differs is not None and next(iter(verdict.differs.parameters)) == "inertia"
-    assert words.next_commands("logs", "published")[0].startswith("hjcamp calibrate LOGS_OF_ONE --as NAME")
+    assert next_commands(words, "logs", "published")[0].startswith("hjcamp calibrate LOGS_OF_ONE --as NAME")
     [said, how] = by_condition_words(words.content["by_condition"], words.content["error"]["baseline"])
     assert said in words.sentences() and "Logs of several specimens are diagnosed one specimen at a time." in how
 

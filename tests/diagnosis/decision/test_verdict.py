@@ -14,6 +14,7 @@ import pytest
 from carriage import measured_log, nothing
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from hjcamp.commands.any_plant.next_commands import next_commands
 from hjcamp.commands.any_plant.remaining_words import most_remains, over_noise
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.diagnosis.calibration.analysis import calibrated
@@ -325,9 +326,10 @@ def test_nothing_is_said_with_what_is_left(tanks: Path) -> None:
 
 
 def test_a_group_beside_a_free_law_is_told_how_to_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Words, "beside", property(lambda self: True))
+    monkeypatch.setattr(Words, "beyond_names", property(lambda self: True))
     said: Any = SimpleNamespace(word="one_of", effects=("spring", "drag"), confidence_set=(("spring",), ("drag",)))
-    steps = Words(SimpleNamespace(), said, {"unknowns": [{"apart_s": 0.0}]}).next_commands("logs", "published")  # type: ignore[arg-type]
+    words = Words(SimpleNamespace(), said, {"unknowns": [{"apart_s": 0.0}]})  # type: ignore[arg-type]
+    steps = next_commands(words, "logs", "published")
     assert steps[0] == "hjcamp next logs" and steps[-1].startswith("hjcamp effects new MY_EFFECT --from diagnose")
 
 

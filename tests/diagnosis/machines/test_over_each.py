@@ -10,6 +10,7 @@ import pytest
 from flywheel import GAIN, INERTIA, PERIOD, PLANT, VISCOUS
 
 from hjcamp.analyses.data import silent
+from hjcamp.commands.any_plant.next_commands import next_commands
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.commands.shared.effect_from import begun_from
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
@@ -72,7 +73,7 @@ def test_a_wind_that_differs_from_test_to_test_is_told_with_both_courses(
     assert ("an unmodelled memory" in said) == (repetitions == 1)
     with pytest.raises(UsageError, match=r"otherwise in each condition.*Input of the plant's file"):
         begun_from(content, Path("answer.json"))
-    assert "--from" not in " ".join(Words(analysis, verdict, content).next_commands("logs", "published"))
+    assert "--from" not in " ".join(next_commands(Words(analysis, verdict, content), "logs", "published"))
 
 
 def test_the_same_wind_in_all_tests_has_one_course(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,6 +10,7 @@ import pytest
 from answer_schemas import check_answer
 from gauge import BETWEEN, OUTFLOW, PLANT, PUMP, measured_log
 
+from hjcamp.commands.any_plant.next_commands import next_commands
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.tests import measured_tests
@@ -143,4 +144,4 @@ def test_a_spill_is_named_beside_a_gauge_that_is_bent_and_the_bend_is_told() -> 
     said = " ".join(words.sentences())
     told = "missing as well: in addition to what was found, a reading at gauge that depends on its true value explains the last"
     assert told in said
-    assert words.next_commands("logs", "published")[1].startswith("hjcamp effects new MY_EFFECT --from diagnose")
+    assert next_commands(words, "logs", "published")[1].startswith("hjcamp effects new MY_EFFECT --from diagnose")
