@@ -33,6 +33,10 @@ def next_(
     model: Annotated[
         str, typer.Option(help=f"The model to start from, for logs of another plant than {DEFAULT}.")
     ] = "published",
+    signals: Annotated[
+        Path | None,
+        typer.Option(help="Write the tests as CSV for another rig into this folder, with the map for their import."),
+    ] = None,
 ) -> None:
     """Propose the tests that best separate the explanations that remain, as a campaign that runs as it is."""
     from hjcamp.analyses.data import Data
@@ -47,8 +51,18 @@ def next_(
         raise UsageError(f"--tests {tests}: give a number from 1 to {MOST_TESTS}")
     asked = Asked(model, effort, seed, workers=workers)
     asked.check()
-    new_campaign(name)
+    path = new_campaign(name)
     logs = [Path(word) for word in words or [] if "=" not in word and Path(word).exists()]
     plant = Data(logs).plant if logs else usual_plant()
+    if signals is not None:
+        from hjcamp.analyses.signals import check_signals
+
+        check_signals(plant, signals)
     folder_for("next", logs, json)  # a link in its place is refused before anything is computed
     (plant.room_of("next") or calls).propose(logs, words or [], rivals or [], tests, asked, name, json)
+    if signals is not None:
+        from hjcamp.commands.plan import compose_plan, tell_signals
+
+        if not path.is_file():
+            raise UsageError(f"--signals {signals}: no campaign was written, as these tests are no course of one input")
+        tell_signals(compose_plan([f"campaign={path.stem}"]), signals)

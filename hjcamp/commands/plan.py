@@ -1,4 +1,4 @@
-"""Show what a run would do: conditions, tests, duration, configuration. Nothing is run or written."""
+"""Show what a run would do: conditions, tests, duration, configuration; --signals writes its tests for another rig."""
 
 from __future__ import annotations
 
@@ -28,22 +28,29 @@ def plan(
     ] = None,
     cfg: Annotated[bool, typer.Option("--cfg", help="Show the resolved configuration of every condition.")] = False,
     config_dir: Annotated[Path | None, typer.Option("--config-dir", help="A further folder of groups.")] = None,
+    signals: Annotated[
+        Path | None,
+        typer.Option(help="Write the tests as CSV for another rig or simulator into this folder, with the map for their import."),
+    ] = None,
     json: AnswerFile = None,
     multirun: Annotated[bool, typer.Option("--multirun", "-m", help="The plan of a sweep.")] = False,
 ) -> None:
-    """Show what a run would do: conditions, tests, duration, configuration. Nothing is run or written."""
+    """Show what a run would do: conditions, tests, duration, configuration; --signals writes its tests for another rig."""
     from hjcamp.commands.shared.session import check_answer_file, write_answer
 
     check_answer_file(json)
     if multirun:
         from hjcamp.commands.shared.sweep_plan import show_sweep
 
-        if json is not None or condition is not None or cfg:
-            raise UsageError("-m shows the jobs of a sweep; --json, --condition and --cfg show one run: give one value each")
+        if json is not None or condition is not None or cfg or signals is not None:
+            raise UsageError(
+                "-m shows the jobs of a sweep; --json, --condition, --cfg and --signals are of one run: give one value each"
+            )
         show_sweep(overrides or [], config_dir)
         return
     made = compose_plan(overrides or [], config_dir)
-    write_answer(json, made.as_json())
+    written = tell_signals(made, signals) if signals is not None else []
+    write_answer(json, made.as_json() | ({"signals": written} if written else {}))
     if condition is not None or cfg:
         show_configuration(made, condition)
     else:
@@ -56,6 +63,17 @@ def compose_plan(overrides: list[str], config_dir: Path | None = None) -> Plan:
     from hjcamp.configuration.composer import Composer
 
     return composed_plan(overrides, Composer(folder=config_dir))[0]
+
+
+def tell_signals(made: Plan, folder: Path) -> list[str]:
+    """Write the signals of a plan's tests, say where they are, and return their files."""
+    from hjcamp.analyses.signals import write_signals
+    from hjcamp.campaign.execution.console import make_console
+
+    files = write_signals(made, folder)
+    console = make_console()
+    console.print(f"signals  {counted(len(files) - 1, 'test')} in {folder}; {files[-1]} imports what was recorded", markup=False)
+    return [str(path) for path in files]
 
 
 def show_plan(made: Plan) -> None:
