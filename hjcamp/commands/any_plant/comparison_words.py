@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from hjcamp.commands.any_plant.bound_words import held_by_bounds
 from hjcamp.commands.any_plant.head_words import print_head
 from hjcamp.commands.any_plant.plant_hints import far_states
+from hjcamp.commands.any_plant.remarks.bound_words import held_by_bounds
 from hjcamp.diagnosis.levels import MATTERS
 from hjcamp.report.wording.units import told
 

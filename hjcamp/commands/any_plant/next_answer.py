@@ -90,7 +90,7 @@ def _pairs(pairs: Pairs, proposal: Proposal) -> list[dict[str, Any]]:
 
 def telling(done: PlantProposed) -> list[str]:
     """Return in words which kinds of test distinguish the rivals."""
-    from hjcamp.commands.any_plant.telling_words import telling_tests
+    from hjcamp.commands.any_plant.remarks.telling_words import telling_tests
 
     names = [name for one in done.proposal.question.rivals for name in one.names]
     return telling_tests(names, done.diagnosis["unknowns"], done.analysis.search.library)

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.untold import untold
-from hjcamp.commands.any_plant.bound_words import ends_of_laws, held_by_bounds, late_inputs, other_sizes
 from hjcamp.commands.any_plant.formula_words import formula_words
 from hjcamp.commands.any_plant.law_words import described_term, local_driver, state_of, with_article
-from hjcamp.commands.any_plant.outside_words import (
+from hjcamp.commands.any_plant.plant_hints import plant_hints
+from hjcamp.commands.any_plant.remarks.bound_words import ends_of_laws, held_by_bounds, late_inputs, other_sizes
+from hjcamp.commands.any_plant.remarks.outside_words import (
     by_condition_words,
     constant_words,
     never_alone,
@@ -19,9 +20,8 @@ from hjcamp.commands.any_plant.outside_words import (
     seldom,
     swing_words,
 )
-from hjcamp.commands.any_plant.plant_hints import plant_hints
-from hjcamp.commands.any_plant.remaining_words import false_claims, least, most_remains, over_noise, remains, still_errs
-from hjcamp.commands.any_plant.telling_words import telling_tests
+from hjcamp.commands.any_plant.remarks.remaining_words import false_claims, least, most_remains, over_noise, remains, still_errs
+from hjcamp.commands.any_plant.remarks.telling_words import telling_tests
 from hjcamp.commands.any_plant.words import (
     bound_word,
     divergence_words,

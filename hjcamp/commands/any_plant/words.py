@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.commands.any_plant.bound_words import held_by_bounds
 from hjcamp.commands.any_plant.head_words import print_head
+from hjcamp.commands.any_plant.remarks.bound_words import held_by_bounds
 from hjcamp.diagnosis.levels import MATTERS
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.report.wording.units import plain, told, told_all, told_estimate, told_interval, told_like

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from hjcamp.commands.any_plant.bound_words import ends_of_laws, held_by_bounds, late_inputs, other_sizes
-from hjcamp.commands.any_plant.outside_words import seldom
+from hjcamp.commands.any_plant.remarks.bound_words import ends_of_laws, held_by_bounds, late_inputs, other_sizes
+from hjcamp.commands.any_plant.remarks.outside_words import seldom
 from hjcamp.commands.any_plant.words import calibration_table
 from hjcamp.effects import effect_files
 

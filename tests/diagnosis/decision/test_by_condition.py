@@ -11,7 +11,7 @@ from flywheel import GAIN, INERTIA, PERIOD, PLANT, VISCOUS
 
 from hjcamp.analyses.data import silent
 from hjcamp.commands.any_plant.next_commands import next_commands
-from hjcamp.commands.any_plant.outside_words import by_condition_words
+from hjcamp.commands.any_plant.remarks.outside_words import by_condition_words
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.data.tests import Measured, measured_tests

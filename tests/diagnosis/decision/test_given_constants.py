@@ -11,7 +11,7 @@ from answer_schemas import check_answer
 from flywheel import GAIN, INERTIA, NOISE, PERIOD, PLANT, VISCOUS
 
 from hjcamp.analyses.data import silent
-from hjcamp.commands.any_plant.outside_words import constant_words
+from hjcamp.commands.any_plant.remarks.outside_words import constant_words
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.decision.verdict import Verdict, agreed

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hjcamp.commands.any_plant.law_words import described_term
-from hjcamp.commands.any_plant.outside_words import over_time_words
+from hjcamp.commands.any_plant.remarks.outside_words import over_time_words
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.decision.law_curve import law_curves
 from hjcamp.effects import load_effects

@@ -15,7 +15,7 @@ from carriage import measured_log, nothing
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from hjcamp.commands.any_plant.next_commands import next_commands
-from hjcamp.commands.any_plant.remaining_words import most_remains, over_noise
+from hjcamp.commands.any_plant.remarks.remaining_words import most_remains, over_noise
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.repeatability import NoiseFloor

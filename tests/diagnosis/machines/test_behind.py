@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from flywheel import LAG, behind_a_lag
 
-from hjcamp.commands.any_plant.outside_words import never_alone
+from hjcamp.commands.any_plant.remarks.outside_words import never_alone
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.candidates.equivalence import is_of_its_own
 from hjcamp.diagnosis.data.tests import Measured

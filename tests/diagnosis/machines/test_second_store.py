@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hjcamp.commands.any_plant.outside_words import no_memory_words
+from hjcamp.commands.any_plant.remarks.outside_words import no_memory_words
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.candidates.equivalence import equivalent_laws, memory_end, times_remembered
 from hjcamp.diagnosis.candidates.nonparametric_laws import AT, ENDS, KNOT, gain_over

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hjcamp.commands.any_plant.outside_words import by_condition_words
-from hjcamp.commands.any_plant.remaining_words import still_errs
+from hjcamp.commands.any_plant.remarks.outside_words import by_condition_words
+from hjcamp.commands.any_plant.remarks.remaining_words import still_errs
 from hjcamp.effects import load_effects
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.report.wording.repeatability import worst_words
