@@ -219,4 +219,21 @@ def prepare(logs: Sequence[TestLog], odd: tuple[str, ...] = ()) -> Evidence:
     if not logs:
         raise UsageError("no tests: give a run folder, a folder of logs, or log files")
     refuse_mixed_hardware(list(logs))
-    return Evidence(tuple(prepare_test(log) for log in logs), odd)
+    return Evidence(tuple(prepare_test(log) for log in by_repetition(logs)), odd)
+
+
+def by_repetition(logs: Sequence[TestLog]) -> list[TestLog]:
+    """Return the logs with the repetitions of each condition in the order of their numbers, whatever their files are called.
+
+    The last repetition is what is held out first. Logs of a condition of which one has no number stay in the order of the files.
+    """
+    places: dict[str, list[int]] = {}
+    for place, log in enumerate(logs):
+        places.setdefault(log.condition_key, []).append(place)
+    found = list(logs)
+    for of_condition in places.values():
+        numbers = {place: logs[place].metadata.get("repetition", "") for place in of_condition}
+        if all(number.isdecimal() for number in numbers.values()):
+            for place, earlier in zip(of_condition, sorted(of_condition, key=lambda one: int(numbers[one])), strict=True):
+                found[place] = logs[earlier]
+    return found
