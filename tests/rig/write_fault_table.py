@@ -75,7 +75,8 @@ def main(words: Sequence[str] = ()) -> int:
             finally:
                 os.chdir(start)
     if not problems:
-        TABLE.write_text(HEAD + "\n".join(rows) + "\n", encoding="utf-8")
+        serial = "".join(TABLE.read_text(encoding="utf-8").partition("\n## ")[1:])
+        TABLE.write_text(HEAD + "\n".join(rows) + "\n" + serial, encoding="utf-8")
     print(f"{len(rows)} rows, {problems} not made")
     return problems
 

@@ -101,13 +101,13 @@ class PlantLoop:
     def run(self) -> None:
         """Make the test to its end; raises ``Stopped`` with the reason of an early one."""
         control, journal, sample = self.control, self.journal, -1
-        while True:
+        while sample < control.samples - 1:
             missed, values = self._sensed()
             sample += 1 + missed
-            if sample >= control.samples:
-                return
             phase, wanted = control.phase(sample), control.wanted(sample)
             self._check(missed, values, wanted if phase == CONTROL else None)
+            if sample >= control.samples:
+                return  # the last samples were missed, fewer than the limit
             seen = np.asarray(values) / self._sizes
             inputs = control.step(sample, seen[: self._readings])
             inputs[self._read_inputs] = seen[self._readings :]
