@@ -259,8 +259,8 @@ class Page:
         gain = self.by_channel(base.features**2 - features**2)
         each = np.array([gain[self.blocks == one].sum(axis=0) for one in self.names]) / len(features)
         spread = np.sqrt(count / (count - 1.0) * np.sum((each - each.mean(axis=0)) ** 2, axis=0))
-        whole = self.errors(base.features)
-        upper = (each.sum(axis=0) + float(stdtrit(count - 1.0, 1.0 - self.alpha)) * spread) / whole
+        bound = each.sum(axis=0) + float(stdtrit(count - 1.0, 1.0 - self.alpha)) * spread
+        upper = np.minimum(bound, self.above(base.features)) / self.excess
         return (chance_of_t(t, weight) if t > 0.0 else 1.0), self.share(features), float(np.max(upper))
 
     def parsimonious(self, models: Sequence[Scored]) -> list[Scored]:
