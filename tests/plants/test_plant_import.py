@@ -325,7 +325,12 @@ BAD_FILES: list[tuple[str, Callable[[Path], object], dict[str, Any], str]] = [
         {},
         "cannot be read as a workbook",
     ),
-    ("a.bin", lambda path: path.write_bytes(bytes(90)), {}, "no table of text in UTF-8; those, .*.mat, .*.parquet, .*can be read"),
+    (
+        "a.bin",
+        lambda path: path.write_bytes(bytes(90)),
+        {},
+        "no table of text in UTF-8; those, .*.mat, .*.parquet, .*can be read",
+    ),
     ("a.csv", lambda path: write_csv(path, measured()), {"topic": "/m"} | less("time_s"), "a.csv has no times"),
 ]
 

@@ -54,7 +54,7 @@ def judged(analysis: Analysis) -> Judged:
     windows.place = base.place
     candidate = base.fitted.candidate
     plain = candidate.without(windows.forms)
-    balances = Balances.of(layout, windows.kernels, plain, windows.readings(candidate), search.blocks)
+    balances = Balances.of(layout, windows.kernels, plain, windows.predicted(candidate), search.blocks)
     if balances is None:
         channels = _slices(widths)
         return Judged(search, base, repeatability_of(layout, base.fitted.features, channels), channels)

@@ -68,17 +68,16 @@ class Balances:
 
     @classmethod
     def of(
-        cls, layout: Layout, kernels: Kernels, base: Candidate, predicted: tuple[Array, Array], blocks: NDArray[np.int64]
+        cls, layout: Layout, kernels: Kernels, base: Candidate, predicted: Predicted, blocks: NDArray[np.int64]
     ) -> Balances | None:
         """Return those that the measured states allow, None without any.
 
-        ``predicted`` are the readings (n, sensors) and states (n, states) of the ``base``; ``blocks`` (windows,) are left out by turns.
+        ``predicted`` is what the ``base`` predicts; ``blocks`` (windows,) are left out by turns.
         """
-        filled = predicted[1]
         states = _known(layout, layout.measured)
         seen = np.asarray(np.isfinite(states).all(axis=0))
         moving = _sides(layout, states)
-        found = cls(layout, kernels, np.where(np.isfinite(states), states, filled), moving, blocks)
+        found = cls(layout, kernels, np.where(np.isfinite(states), states, predicted.states), moving, blocks)
         found.balanced = tuple(found._able(base, seen))
         if not found.balanced:
             return None
@@ -159,8 +158,11 @@ class Balances:
                 shown[:, list(plant.states).index(above)] += slope.ravel()
         return self._raw(plain, shown) - self._raw(plain, predicted.states)
 
-    def _raw(self, candidate: Candidate, states: Array) -> Array:
-        """Return the balances (windows, features) at states (n, states), each in the unit of its state."""
+    def _raw(self, candidate: Candidate, states: Array, ends: Array | None = None) -> Array:
+        """Return the balances (windows, features) at states (n, states), each in the unit of its state.
+
+        ``ends`` (windows, states) are where predicted states go on to, one sample behind a window; the next one begins elsewhere.
+        """
         along, period = self._along(candidate, states), self.layout.measured.period
         parts = []
         for one in self.balanced:
@@ -168,7 +170,12 @@ class Balances:
             # what was gained in each sample beyond what the rate gives, 0 where nothing follows
             rate = along.before[:, one.state].copy()
             rate[:-1] += along.after[:-1, one.state]
-            gained = np.append(np.diff(x), 0.0) - 0.5 * period * rate
+            step = np.append(np.diff(x), 0.0)
+            if ends is not None:
+                step[self.layout.width - 1 :: self.layout.width] = (
+                    ends[:, one.state] - x[self.layout.width - 1 :: self.layout.width]
+                )
+            gained = step - 0.5 * period * rate
             gained[self._last] = 0.0
             parts.append(np.einsum("wt,wtj->wj", gained.reshape(-1, self.layout.width), self._tests[one.name]))
             if one.whole:
@@ -203,16 +210,16 @@ class Balances:
             found[one.name] = np.stack([_test_functions(row) for row in use])
         return found
 
-    def _chance(self, base: Candidate, predicted: tuple[Array, Array]) -> tuple[Array, Array]:
+    def _chance(self, base: Candidate, predicted: Predicted) -> tuple[Array, Array]:
         """Return what the balances (windows, features) of a model are by how states are estimated, and their noise (features,).
 
         Readings as the base predicts them get noise, are counted as the sensors count, and go through the same chain (indirect
-        inference: Gourieroux, Monfort & Renault 1993, doi:10.1002/jae.3950080507). What the predicted states themselves balance to is
-        where windows begin: it is no part of it.
+        inference: Gourieroux, Monfort & Renault 1993, doi:10.1002/jae.3950080507). Of what the predicted states themselves balance to
+        that within windows is part of it (a sum in the place of an integral), not how far off the next one begins.
         """
         layout, generator, drawn = self.layout, np.random.default_rng(1), []
-        measured, states = layout.measured, np.where(np.isfinite(predicted[1]), predicted[1], self.states)
-        paths = layout.apart_again(np.where(np.isfinite(predicted[0]), predicted[0], layout.readings))
+        measured, states = layout.measured, np.where(np.isfinite(predicted.states), predicted.states, self.states)
+        paths = layout.apart_again(np.where(np.isfinite(predicted.readings), predicted.readings, layout.readings))
         white = np.sqrt(np.maximum(measured.noise**2 - measured.steps**2 / 12.0, 0.0))
         for _ in range(DRAWS):
             readings = [path + white * generator.standard_normal(path.shape) for path in paths]
@@ -223,7 +230,8 @@ class Balances:
         noise = np.std(drawn, axis=0, ddof=1)
         used = noise > 0.0
         usual = np.array([np.median(column[mask]) if mask.any() else 1.0 for column, mask in zip(noise.T, used.T, strict=True)])
-        return np.mean(drawn, axis=0) - self._raw(base, states), np.maximum(usual, 1e-300)
+        apart = self._raw(base, states, predicted.ends) - self._raw(base, states)
+        return np.mean(drawn, axis=0) + apart, np.maximum(usual, 1e-300)
 
 
 def _counted(readings: Array, steps: Array, phases: Array) -> Array:

@@ -71,6 +71,10 @@ class Simulated:
         found = self._predicted(candidate, starts, friction)
         return found.readings, found.states
 
+    def predicted(self, candidate: Candidate) -> Predicted:
+        """Return what a candidate predicts, from the present starts."""
+        return self._predicted(candidate)
+
     def _predicted(
         self, candidate: Candidate, starts: Array | None = None, friction: float = 1.0, kept: Array | None = None
     ) -> Predicted:

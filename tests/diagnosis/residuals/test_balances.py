@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import slide as moved
 
+from hjcamp.diagnosis.calibration.prediction_windows import predictable
 from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.estimation.likelihood import loss
@@ -53,11 +54,34 @@ class Block(Plant):
 
 
 def balances_of(measured: Measured, base: Candidate, effects: dict[str, type[Effect]] | None = None) -> Balances | None:
-    """The balances over windows of `WIDTH` samples, each of six windows a block."""
-    layout = Layout(measured, WIDTH)
-    filled = np.full((len(layout.time), len(measured.plant.states)), np.nan)
-    blocks = np.arange(len(layout.of_test)) // 6
-    return Balances.of(layout, Kernels(measured.plant, effects or {}), base, (layout.readings, filled), blocks)
+    """The balances over windows of `WIDTH` samples, each of six windows a block, about what the base predicts."""
+    kernels = Kernels(measured.plant, effects or {})
+    windows, _ = predictable(measured, kernels, base, [], WIDTH, "standard")
+    assert windows.layout.width == WIDTH
+    windows.move_starts(base)
+    blocks = np.arange(len(windows.layout.of_test)) // 6
+    return Balances.of(windows.layout, kernels, base, windows.predicted(base), blocks)
+
+
+def about(measured: Measured, places: np.ndarray, speeds: np.ndarray, effects: dict[str, type[Effect]]) -> Balances:
+    """The same about a path (n,) of places and speeds that is known."""
+    layout, base = Layout(measured, WIDTH), of_base(measured)
+    found = Balances.of(
+        layout,
+        Kernels(measured.plant, effects),
+        base,
+        path_of(layout, places, places, speeds),
+        np.arange(len(layout.of_test)) // 6,
+    )
+    assert found is not None
+    return found
+
+
+def path_of(layout: Layout, shown: np.ndarray, places: np.ndarray, speeds: np.ndarray) -> Predicted:
+    """A prediction that is a path (n,) as it is, shown as it is shown."""
+    n, states = len(layout.of_test) * WIDTH, np.column_stack([places, speeds])
+    ends = states[np.minimum(np.arange(WIDTH, n + 1, WIDTH), len(states) - 1)]
+    return Predicted(shown[:n, None], states[:n], ends, 1.0, ends[:, :0])
 
 
 def of_base(measured: Measured, **values: float) -> Candidate:
@@ -140,7 +164,8 @@ def test_a_contact_is_balanced_only_while_it_slides_one_way(block: Path) -> None
     spring = np.einsum("wt,wt->w", -4.0 * found.states[:, 0].reshape(-1, WIDTH) / 2.0 * 0.005, rows)
     seen = np.abs(rows).sum(axis=1) > 0.0
     assert np.corrcoef(missing[seen], spring[seen])[0, 1] > 0.99
-    assert np.polyfit(spring[seen], missing[seen], 1)[0] == pytest.approx(1.0, abs=0.05)
+    # a part of it is where the next window begins, which smoothing brings into this one
+    assert np.polyfit(spring[seen], missing[seen], 1)[0] == pytest.approx(1.0, abs=0.1)
 
 
 @pytest.mark.parametrize(("name", "key", "size"), [("sensor_gain", "gain", 0.5), ("sensor_lag", "lag", 0.05)])
@@ -149,17 +174,11 @@ def test_what_a_sensor_errs_by_is_taken_off_with_a_memory_or_without(block: Path
     shown = (1.0 + size) * places if name == "sensor_gain" else lagging(places, size)
     [test] = measured.tests
     measured = measured.with_tests([replace(test, readings=test.readings + (shown - places)[:, None])])
-    layout, base = Layout(measured, WIDTH), of_base(measured)
     effects = {one: effect for one, effect in load_effects(plant=measured.plant).items() if one == name}
-    n = len(layout.of_test) * WIDTH
-    found = Balances.of(
-        layout, Kernels(measured.plant, effects), base, (places[:n, None], np.column_stack([places, speeds])[:n]),
-        np.arange(n // WIDTH) // 6,
-    )  # fmt: skip
-    assert found is not None
+    found, base = about(measured, places, speeds, effects), of_base(measured)
     [amplitude] = [one for one in effects[name].parameters if one == key or effects[name].parameters[one].off is not None]
     candidate = base.with_effect(name, {**effects[name].defaults(), amplitude: size})
-    predicted = Predicted(shown[:n, None], np.column_stack([places, speeds])[:n], np.zeros((1, 2)), 1.0, np.zeros((1, 2)))
+    predicted = path_of(found.layout, shown, places, speeds)
     used = np.abs(found._tests["velocity"]).sum(axis=(1, 2)) > 0.0
     less, plain = (np.median(np.abs(one[used])) for one in (found.features(candidate, predicted), found.features(base)))
     assert less < 1.0 and less < 0.6 * plain
@@ -178,11 +197,7 @@ def lagging(values: np.ndarray, lag: float) -> np.ndarray:
 
 def test_what_smoothed_readings_make_of_a_balance_is_taken_off(block: Path) -> None:
     measured, places, speeds = rubbing(3, 1e-3, spring=0.0)
-    layout, base = Layout(measured, WIDTH), of_base(measured)
-    size = len(layout.of_test) * WIDTH
-    predicted = places[:size, None], np.column_stack([places, speeds])[:size]
-    found = Balances.of(layout, Kernels(measured.plant, {}), base, predicted, np.arange(size // WIDTH) // 6)
-    assert found is not None
+    found, base = about(measured, places, speeds, {}), of_base(measured)
     used = np.abs(found._tests["velocity"]).sum(axis=(1, 2)) > 0.0
     plain, less = (np.median(np.abs(one[used])) for one in (found._raw(base, found.states) / found.scale, found.features(base)))
     assert less < 0.7 * plain and less < 1.0
