@@ -19,7 +19,8 @@ from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.records.write import write_log
 from hjcamp.report.paper.cite import bibliography, entries_of, sources_of
-from hjcamp.report.paper.figures import formats_of, style_of
+from hjcamp.report.paper.figures import STYLES, formats_of, style_of
+from hjcamp.report.paper.folder import Paper, _main
 from hjcamp.report.paper.names import distinct, macro
 from hjcamp.report.paper.numbers import Quantity, of_estimate, uncertain, unit_latex
 from hjcamp.report.paper.tables import DEVIATION, paper_table, plain_sheet
@@ -127,6 +128,21 @@ ANSWERS = {
                         "parameters": {"conductance": {"value": 1e-15, "unit": "m^3/(s*Pa)", "ci95": [0.9e-15, 1.1e-15]}}}],
     },
 }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("style", "document", "sources"),
+    [
+        ("plain", r"\documentclass{article}", "plain"),
+        ("ieee", r"\documentclass[journal]{IEEEtran}", "IEEEtran"),
+        ("elsevier", r"\documentclass[final,5p,times,twocolumn]{elsarticle}", "elsarticle-num"),
+        ("springer", r"\documentclass{article}", "plain"),
+        ("thesis", r"\documentclass{article}", "plain"),
+    ],
+)
+def test_each_style_has_the_class_of_its_journal(tmp_path: Path, style: str, document: str, sources: str) -> None:
+    main = _main(Paper(tmp_path, STYLES[style])).splitlines()
+    assert document in main and rf"\bibliographystyle{{{sources}}}" in main
 
 
 def test_the_folder_of_a_run_and_answers(run: Path, tmp_path: Path) -> None:

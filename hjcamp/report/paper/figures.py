@@ -52,7 +52,8 @@ class Style(NamedTuple):
 STYLES = {
     "plain": Style(150.0, 9.0, "sans-serif"),
     "ieee": Style(88.9, 8.0, "serif", "IEEEtran"),
-    "elsevier": Style(90.0, 8.0, "sans-serif"),
+    "elsevier": Style(90.0, 8.0, "sans-serif", "elsarticle"),
+    # its classes are in no distribution of TeX: a page with one would not be set where that is not fetched
     "springer": Style(84.0, 8.0, "sans-serif"),
     "thesis": Style(145.0, 10.0, "serif"),
 }

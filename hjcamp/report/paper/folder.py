@@ -63,6 +63,7 @@ MAIN = r"""% Shows everything that is here; hjcamp paper writes this file once a
 CLASSES = {
     "article": ("\\documentclass{article}\n\\usepackage[margin=20mm]{geometry}", "plain"),
     "IEEEtran": ("\\documentclass[journal]{IEEEtran}", "IEEEtran"),
+    "elsarticle": ("\\documentclass[final,5p,times,twocolumn]{elsarticle}", "elsarticle-num"),
 }
 
 
