@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,6 +13,10 @@ from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError, counted
 from hjcamp.known_plants import DEFAULT
 from hjcamp.storage import check_place
+
+if TYPE_CHECKING:
+    from hjcamp.records.elsewhere.import_map import ImportMap
+    from hjcamp.records.elsewhere.importing import Imported
 
 NEW = "new"
 HELP = """Turn measurements from elsewhere into test logs.
@@ -69,10 +73,8 @@ def import_table(
     from hjcamp.analyses.data import joined
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.diagnosis.data.tests import FEWEST_SAMPLES
-    from hjcamp.model.checks.plant_checks import other_period
     from hjcamp.records.elsewhere.import_map import read_import_map
     from hjcamp.records.elsewhere.importing import import_files
-    from hjcamp.records.of_plant import PERIOD_KEY
     from hjcamp.records.read import read_log
     from hjcamp.records.sets.look import lines_of, look_at
 
@@ -109,6 +111,15 @@ def import_table(
             if log.samples < FEWEST_SAMPLES:
                 few = counted(log.samples, "sample")
                 print(f"{target}: warning: {few}; an analysis leaves out logs of fewer than {FEWEST_SAMPLES}", file=sys.stderr)
+    warn_of_map(mapping, rules, logs)
+    print(f"next  hjcamp compare {joined([into] if into and len(targets) > 1 else targets)}")
+
+
+def warn_of_map(mapping: Path, rules: ImportMap, logs: Sequence[Imported]) -> None:
+    """Say what a map may have wrong, or leaves to the plant: the sampling period, metadata, fields of one column."""
+    from hjcamp.model.checks.plant_checks import other_period
+    from hjcamp.records.of_plant import PERIOD_KEY
+
     periods = {float(log.metadata[PERIOD_KEY]) for log in logs if PERIOD_KEY in log.metadata}
     for note in sorted({other_period(rules.plant, period) for period in periods} - {""}):
         print(note, file=sys.stderr)
@@ -116,7 +127,6 @@ def import_table(
         print(f"{mapping}: warning: the metadata do not give '{name}'; the plant's default is used", file=sys.stderr)
     for column, names in rules.taken_twice.items():
         print(f"{mapping}: warning: {' and '.join(names)} are made of one column, '{column}'", file=sys.stderr)
-    print(f"next  hjcamp compare {joined([into] if into and len(targets) > 1 else targets)}")
 
 
 def files_of(files: Sequence[Path], into: Path | None) -> list[Path]:
