@@ -2,6 +2,7 @@
 
 hjcamp run campaign=NAME [GROUP=CHOICE ...] [PARAMETER=VALUE ...] [-m] [--cfg job] [--config-dir DIR]
            [--keep-going | --fail-fast] [--yes] [--live [PORT]] [--no-browser]
+hjcamp run --like LOG [run_dir=DIR] [workers=N]: the tests of that log's condition again, by the configuration in it
 """
 
 from __future__ import annotations
@@ -23,6 +24,9 @@ SEARCH_PATH = "hydra.searchpath"
 SWITCHES = {"--keep-going": "keep_going=true", "--fail-fast": "fail_fast=true"}
 # With these Hydra would begin with a configuration, or a pickled job, from anywhere.
 YES = "--yes"
+LIKE = "--like"
+# What a call with it may say besides: all else is in the log.
+OF_THE_CALL = ("run_dir", "workers", "cluster", "fail_fast", "keep_going")
 #: Jobs of a sweep that begin without a question; what takes hours is asked before.
 UNASKED_JOBS = 1000
 NOT_OURS = ("config-path", "config-name", "experimental-rerun")
@@ -43,8 +47,41 @@ def run(
     from hjcamp.commands.shared.live import live, take_live
 
     left, asked = take_live(arguments or [])
+    log, left = take_like(left)
     with live(asked):
+        if log is not None:
+            run_like(log, [SWITCHES.get(word, word) for word in left])
+            return
         call_hydra([SWITCHES.get(word, word) for word in left if word != YES], YES in left)
+
+
+def take_like(arguments: list[str]) -> tuple[Path | None, list[str]]:
+    """Return the log that a run is to be like, None where none is named, and the other arguments."""
+    for place, word in enumerate(arguments):
+        name, equals, value = word.partition("=")
+        if name == LIKE:
+            rest = arguments[place + 1 :]
+            if not equals and not rest:
+                raise UsageError(f"{LIKE}: give the log whose test is to be made again")
+            return Path(value if equals else rest[0]), [*arguments[:place], *(rest if equals else rest[1:])]
+    return None, arguments
+
+
+def run_like(path: Path, lines: list[str]) -> None:
+    """Make the tests of a log's condition again; ``lines`` say where and on how many processes, and nothing of the test."""
+    from hjcamp.campaign.execution.console import make_console
+    from hjcamp.campaign.one_run import make_run
+    from hjcamp.campaign.plan.like import plan_like
+    from hjcamp.configuration.composer import Composer, free
+    from hjcamp.records.read import read_log
+
+    for line in lines:
+        if line.partition("=")[0] not in OF_THE_CALL:
+            raise UsageError(
+                f"{LIKE} {path}: '{line}' is no part of it: the log says all of the test; allowed: {', '.join(OF_THE_CALL)}"
+            )
+    asked = Composer().compose([free(line) for line in lines]).config
+    make_run(plan_like(read_log(path), path), asked, [f"{LIKE}={path}", *lines], make_console())
 
 
 def call_hydra(arguments: list[str], yes: bool = False) -> None:
