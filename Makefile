@@ -43,7 +43,7 @@ help:
 	@echo "make faults    every fault of the rig at the start, middle and end of a test; docs/rig_faults.md"
 	@echo "make kills     200 kills at random moments, then resume;   make damage  10 000 damaged log files"
 	@echo "make wrong_logs  seventy logs that are wrong on purpose, and what is said of them; docs/wrong_logs.md"
-	@echo "make disturbed  every long command killed, interrupted twice, short of memory, files and disk"
+	@echo "make disturbed  every long command killed (200 times), interrupted twice, short of memory, files and disk; docs/disturbances.md"
 	@echo "make bad_calls  a thousand bad calls over every option and file; docs/bad_calls.md"
 	@echo "make dist    wheel and sdist in dist/, opened and checked as a stranger would (docs/release.md); five minutes"
 	@echo "make clean   remove .venv and caches; runs/ stays"
@@ -174,7 +174,7 @@ damage: $(WARM)
 	$(BIN)/python tests/records/damage_many_logs.py 10000
 
 disturbed: $(WARM)
-	$(BIN)/python tests/cli/disturbed_commands.py 4
+	$(BIN)/python tests/cli/disturbed_commands.py 2 --kills 200
 
 wrong_logs: $(INSTALLED)
 	$(BIN)/python tests/records/write_wrong_logs.py
