@@ -20,7 +20,7 @@ from hjcamp.commands.run import SWITCHES
 ROOT = Path(__file__).parents[2]
 PAGES = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
 PLACEHOLDER = re.compile(r"\b[A-Z][A-Z_]+\b|\.\.\.|\[")
-OF_RUN = {*SWITCHES, "--live", "--no-browser"}
+OF_RUN = {*SWITCHES, "--like", "--live", "--no-browser"}
 
 
 def in_blocks(page: str) -> list[str]:
