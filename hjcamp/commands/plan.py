@@ -30,7 +30,9 @@ def plan(
     config_dir: Annotated[Path | None, typer.Option("--config-dir", help="A further folder of groups.")] = None,
     signals: Annotated[
         Path | None,
-        typer.Option(help="Write the tests as CSV for another rig or simulator into this folder, with the map for their import."),
+        typer.Option(
+            help="Write the tests as CSV for another rig or simulator into this folder, with the map for their import."
+        ),
     ] = None,
     json: AnswerFile = None,
     multirun: Annotated[bool, typer.Option("--multirun", "-m", help="The plan of a sweep.")] = False,
@@ -72,7 +74,9 @@ def tell_signals(made: Plan, folder: Path) -> list[str]:
 
     files = write_signals(made, folder)
     console = make_console()
-    console.print(f"signals  {counted(len(files) - 1, 'test')} in {folder}; {files[-1]} imports what was recorded", markup=False)
+    console.print(
+        f"signals  {counted(len(files) - 1, 'test')} in {folder}; {files[-1]} imports what was recorded", markup=False
+    )
     return [str(path) for path in files]
 
 

@@ -227,7 +227,9 @@ def _refuse_open(content: Mapping[str, Any], where: str) -> None:
     for name, rule in fields.items() if isinstance(fields, Mapping) else ():
         places += [f"{key} of {name}" for key, value in rule.items() if value == OPEN] if isinstance(rule, Mapping) else []
     if places:
-        raise UsageError(f"{where}: still open: {', '.join(map(str, places))}; write what stands for '{OPEN}', or delete the line")
+        raise UsageError(
+            f"{where}: still open: {', '.join(map(str, places))}; write what stands for '{OPEN}', or delete the line"
+        )
 
 
 def _text(content: Mapping[str, Any], key: str, where: str) -> str:

@@ -27,7 +27,9 @@ def columns_of(condition: int, repetition: int) -> Columns:
     return {"time_s": np.arange(float(len(power))), "warmth_k": warmth, "power_w": power}
 
 
-def written(spoil: Callable[[Columns, int, int], object] = lambda columns, condition, repetition: None, repetitions: int = 2) -> None:
+def written(
+    spoil: Callable[[Columns, int, int], object] = lambda columns, condition, repetition: None, repetitions: int = 2
+) -> None:
     Path("plants").mkdir(exist_ok=True)
     Path("plants/slab.py").write_text(heated.PLANT)
     for condition in range(2):
@@ -56,7 +58,9 @@ def test_a_sound_set_has_no_remark_and_says_what_it_would_show() -> None:
     code, answer = asked()
     assert answer["remarks"] == [] and answer["ready"] and code == 0
     rows = {row["effect"]: row for row in answer["smallest"]}
-    assert len(rows) > 3 and any(row["amplitude"] is not None and 0.0 < row["amplitude"] < row["usual"] for row in rows.values())
+    assert len(rows) > 3 and any(
+        row["amplitude"] is not None and 0.0 < row["amplitude"] < row["usual"] for row in rows.values()
+    )
 
 
 def first_only(change: Callable[[Columns], object]) -> Callable[[Columns, int, int], object]:

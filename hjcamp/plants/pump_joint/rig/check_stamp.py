@@ -54,4 +54,6 @@ def require_check(config: Mapping[str, Any]) -> None:
 
 def _place(config: Mapping[str, Any], suffix: str) -> Path:
     connection = config["rig"].get("connection") or {}
-    return check_stamp.state_file(config["rig"].get("name", "rig"), f"{connection.get('kind')} {connection.get('address')}", suffix)
+    return check_stamp.state_file(
+        config["rig"].get("name", "rig"), f"{connection.get('kind')} {connection.get('address')}", suffix
+    )
