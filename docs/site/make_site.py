@@ -20,7 +20,8 @@ SOURCE, HTML = SITE / "source", SITE / "html"
 COPIED = ("*.md", "*.svg", "*.png", "*.json", "*.ipynb", "*.csv", "*.yaml", "*.py")
 MENTIONED = re.compile(r"`(docs/[\w./-]+\.(?:md|ipynb))`")
 PARTS = {
-    "Begin": ("tour", "tour_plant", "own_plant", "import", "gallery", "commands", "rig", "sweeps", "tables", "next", "ci", "templates",
+    "Begin": ("tour", "tour_plant", "own_plant", "import", "gallery", "commands", "rig", "rig_of_a_plant", "rig_protocol",
+              "circle", "sweeps", "tables", "next", "ci", "templates",
               "release"),
     "What was found": ("fidelity", "thesis_gap", "published_inconsistencies", "identification", "further_plants", "pump_cost"),
     "How well it works": ("benchmark", "any_plant", "foreign_machines", "next_value", "identification_recovery", "validation",
