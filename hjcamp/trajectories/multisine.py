@@ -47,7 +47,7 @@ class Multisine(Trajectory):
     def frequencies(self) -> Array:
         """The frequencies of the lines (n,), Hz."""
         return self.first_hz * np.unique(
-            np.rint(np.linspace(1.0, np.floor(self.last_hz / self.first_hz + 1e-9), int(self.lines)))
+            np.rint(np.linspace(1.0, float(int(self.last_hz / self.first_hz + 1e-9)), int(self.lines)))
         )
 
     @cached_property

@@ -59,7 +59,7 @@ class Prbs(Trajectory):
 
     def motion(self, time: Array) -> Motion:
         bits, size = self.bits, np.radians(self.amplitude_deg)
-        place = np.floor(time / self.bit_time).astype(int)
+        place = (time // self.bit_time).astype(int)
         now, before = bits[place % len(bits)], bits[np.maximum(place - 1, 0) % len(bits)]
         share = np.clip((time - place * self.bit_time) / self.rise_time, 0.0, 1.0)
         step, turn = size * (now - before), 2.0 * np.pi
