@@ -132,3 +132,15 @@ def test_the_check_sees_the_direction_of_each_reading(
     assert cli.run([*run[:-1], "run_dir=runs/two"]) != 0
     assert "since the last check file was" in capfd.readouterr().err
     assert find_rig("bench").plant == "axis1"
+
+
+def test_the_live_page_shows_the_limits_of_plant_and_rig(made: Made, lab: Path) -> None:
+    from hjcamp.live.describe import describe
+
+    told = RIG.replace("range=(-1.0, 1.0)", "range=(-900.0, 900.0), unit='mm', limits=(-300.0, 400.0), fastest=50.0")
+    (lab / "rigs" / "bench.py").write_text(told.replace("    def read", "    tracking = 20.0\n    def read"))
+    shown = {one["name"]: one for one in describe(made("backend=rig", "rig=bench"))["watches"]}
+    assert (shown["position_m"]["low"], shown["position_m"]["high"], shown["position_m"]["unit"]) == (-300.0, 400.0, "mm")
+    assert shown["position_m"]["terms"][0]["factor"] == pytest.approx(1e3)
+    assert shown["position_m_rate"]["high"] == 50.0 and shown["tracking"]["high"] == 20.0
+    assert shown["missed_in_all"]["high"] == 40.0

@@ -16,7 +16,7 @@ from hjcamp.rigs.fit import Wire, Wiring
 from hjcamp.rigs.rig import Rig
 
 SPEED_SAMPLES = 10
-#: Of samples that were missed the log holds copies; how many is counted beside it.
+#: Of samples that were missed the log holds copies; how many is counted with them.
 MISSED = "missed_samples"
 
 
