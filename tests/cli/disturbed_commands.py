@@ -311,8 +311,10 @@ def main() -> int:
         original = Path(name) / "original"
         original.mkdir()
         prepared(original)
-        disturb_all(given, original, count)
-    print(count)
+        try:
+            disturb_all(given, original, count)
+        finally:  # what was counted until Ctrl-C, too
+            print(count)
     return int(count.faults > 0)
 
 
