@@ -83,7 +83,8 @@ CASES = (
         "A seal rubs most at one speed, about 220 rad/s, and less at lower and higher ones. No effect of the library has that form.",
         "A function of one quantity, fitted without any form, predicts better than every named effect. The answer names the "
         "quantity and draws the function.",
-        "`hjcamp effects new seal --from diagnose` writes an effect with this curve as a table; put a formula in its place.",
+        "`hjcamp effects new seal --from diagnose --form bell` writes an effect with that formula (without `--form` the curve as a "
+        "table); diagnosed with it, the recordings give the seal's own values (`docs/formulas.md`).",
         ("seal_1", "seal_2"),
         "missing_before.svg",
         "Friction over speed that the model lacks, with its 95 % band.",
