@@ -303,6 +303,21 @@ def test_unusable_calls(call: Call, arguments: list[str], words: str) -> None:
     assert [path.name for path in Path("mine").iterdir()] == ["thesis.txt"]
 
 
+def test_a_step_that_fails_ends_the_tour_with_its_code(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    def load(path: Path) -> Any:
+        @click.command(context_settings={"ignore_unknown_options": True})
+        @click.argument("words", nargs=-1)
+        def command(words: tuple[str, ...]) -> None:
+            raise click.exceptions.Exit(1)
+
+        return REAL_LOAD(path) if path.stem == "tour" else command
+
+    monkeypatch.setattr(hjcamp.commands, "load", load)
+    answer = call("tour", "--yes")
+    assert answer.code == 1
+    assert "Step 2" not in answer.out
+
+
 def test_a_damaged_answer_is_said(call: Call) -> None:
     Path("tour").mkdir()
     Path("tour/about.txt").write_text(samples.ABOUT)

@@ -89,7 +89,9 @@ def do_step(console: Console, tour: Tour, number: int) -> None:
         return
     for name in step.writes:
         (tour.folder / name).unlink(missing_ok=True)
-    load(command_files()[words[0]]).main(args=words[1:], prog_name=f"hjcamp {words[0]}", standalone_mode=False)
+    code = load(command_files()[words[0]]).main(args=words[1:], prog_name=f"hjcamp {words[0]}", standalone_mode=False)
+    if isinstance(code, int) and code:
+        raise typer.Exit(code)
     console.print()
     if step.page:
         page = (tour.folder / step.page / "index.html").resolve()
