@@ -16,8 +16,8 @@ from hjcamp.commands import command_files, load
 if TYPE_CHECKING:
     from conftest import Call
 
-#: They act, and say on the way how it goes, or where a page is: nothing is asked of them.
-SILENT = {"open", "resume", "rig serve", "run", "tour"}
+#: They act, and say on the way how it goes, or where a page is, or print JSON themselves: nothing is asked of them.
+SILENT = {"open", "resume", "rig serve", "run", "schema", "tour"}
 HELP = "Write the answer for programs to this file; - is standard output."
 
 

@@ -141,12 +141,13 @@ def test_one_bad_file_of_several_leaves_no_log(folder: Path, capsys: pytest.Capt
         (["a.csv", "more/a.csv", "--into", "logs"], "would be the log of a.csv and of more/a.csv"),
         (["m.mcap"], "this is an MCAP file itself; give --into DIR or --output FILE"),
         (["nothing.csv"], "nothing.csv: cannot be read: No such file"),
-        (["more"], "more: cannot be read: it is a folder"),
+        (["empty"], "empty: this folder has no file that ends in .asc, .csv"),
         (["c.csv"], "unknown file 'c.csv' in the files of map.yaml"),
     ],
 )
 def test_a_bad_call_is_one_message(folder: Path, words: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "more").mkdir()
+    (folder / "empty").mkdir()
     for name in ("a.csv", "b.csv", "c.csv", "more/a.csv"):
         write_csv(folder / name, measured())
     write_json_mcap(folder / "m.mcap", measured())

@@ -47,7 +47,7 @@ def test_what_is_there_stands_out_of_all_that_chance_promises() -> None:
 
 
 def test_where_nothing_is_chance_promises_as_much_as_it_should() -> None:
-    shares = {"shifted": [], "decoys": [], "twins": []}  # type: dict[str, list[float]]
+    shares = {"shifted": [], "decoys": [], "replicates": []}  # type: dict[str, list[float]]
     for seed in range(60):
         found = chance_gains(*drawn(seed, 0.0), seed=seed)
         for name, values in shares.items():
