@@ -73,6 +73,6 @@ def test_a_file_that_no_cell_wrote_is_left() -> None:
 
 def test_a_class_whose_lines_are_not_known_is_refused() -> None:
     made = run_cell(CELL)["MyAxis"]
-    linecache.cache.clear()
+    del linecache.cache["<ipython-input-1>"]
     with pytest.raises(UsageError, match="the lines of MyAxis are not known"):
         hjcamp.new_plant(made)
