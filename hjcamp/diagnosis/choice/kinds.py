@@ -55,16 +55,14 @@ def judged(analysis: Analysis) -> Judged:
     candidate = base.fitted.candidate
     plain = candidate.without(windows.forms)
     balances = Balances.of(layout, windows.kernels, plain, windows.predicted(candidate), search.blocks)
+    channels = _slices(widths + [one.features for one in (balances.balanced if balances else ())])
     if balances is None:
-        channels = _slices(widths)
         return Judged(search, base, repeatability_of(layout, base.fitted.features, channels), channels)
     own = copy.copy(search)
     own.windows, own.steps = replace(windows, balances=balances), []
     own.windows.place = base.place
     found = _base(own, base, balances)
     own.windows.place = found.place
-    widths += [one.features for one in balances.balanced]
-    channels = _slices(widths)
     return Judged(own, found, repeatability_of(layout, found.fitted.features, channels), channels)
 
 

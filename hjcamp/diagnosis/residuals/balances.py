@@ -172,9 +172,8 @@ class Balances:
             rate[:-1] += along.after[:-1, one.state]
             step = np.append(np.diff(x), 0.0)
             if ends is not None:
-                step[self.layout.width - 1 :: self.layout.width] = (
-                    ends[:, one.state] - x[self.layout.width - 1 :: self.layout.width]
-                )
+                last = np.arange(self.layout.width - 1, len(x), self.layout.width)
+                step[last] = ends[:, one.state] - x[last]
             gained = step - 0.5 * period * rate
             gained[self._last] = 0.0
             parts.append(np.einsum("wt,wtj->wj", gained.reshape(-1, self.layout.width), self._tests[one.name]))

@@ -32,15 +32,21 @@ def column_of(source: Path, name: str, arrays: Mapping[str, Any]) -> np.ndarray:
     if found.dtype.kind not in "iufb":
         held = f"records with {', '.join(found.dtype.names)}" if found.dtype.names else f"{found.dtype}, not numbers"
         raise UsageError(f"{source}: '{name}' holds {held}")
-    if found.ndim > 1 and found.size > max(found.shape):
-        ways = [
-            f"{name}[{','.join(':' if k == axis else '0' for k in range(found.ndim))}]"
-            for axis in range(found.ndim)
-            if found.shape[axis] == max(found.shape)
-        ]
-        shape = " x ".join(map(str, found.shape))
-        raise UsageError(f"{source}: '{name}' is a matrix ({shape}); give one column or row of it: {' or '.join(ways)}")
+    check_one_column(source, name, found, ("[", "]"), "0")
     return found.reshape(-1).astype(np.float64)
+
+
+def check_one_column(source: Path, name: str, value: np.ndarray, brackets: tuple[str, str], first: str) -> None:
+    """Raise ``UsageError`` for a matrix, with its longest columns as a language writes them: its brackets and its first place."""
+    if value.ndim < 2 or value.size == max(value.shape):
+        return
+    longest = [axis for axis in range(value.ndim) if value.shape[axis] == max(value.shape)]
+    ways = [
+        f"{name}{brackets[0]}{','.join(':' if k == axis else first for k in range(value.ndim))}{brackets[1]}"
+        for axis in longest
+    ]
+    shape = " x ".join(map(str, value.shape))
+    raise UsageError(f"{source}: '{name}' is a matrix ({shape}); give one column or row of it: {' or '.join(ways)}")
 
 
 def columns_within(arrays: Mapping[str, Any]) -> Iterator[str]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.records.elsewhere.array_names import check_one_column
 
 DEEPEST, MOST_WITHIN = 20, 100  # of structures, of columns of a matrix that are listed
 # A name as MATLAB writes it: rec.Y(2).Data, q(:,2), m(1,:), c{3}.
@@ -42,14 +43,7 @@ def column_named(source: Path, name: str, content: dict[str, Any], variables: li
             hint = f"; write an object such as a timeseries as numbers: t = {root}.Time; x = {root}.Data; save(FILE, 't', 'x')"
         held = f"a struct with {', '.join(value.dtype.names)}" if value.dtype.names else "no real numbers"
         raise UsageError(f"{source}: '{name}' holds {held}{hint}")
-    if value.ndim > 1 and value.size > max(value.shape):
-        ways = [
-            f"{name}({','.join(':' if k == axis else '1' for k in range(value.ndim))})"
-            for axis in range(value.ndim)
-            if value.shape[axis] == max(value.shape)
-        ]
-        shape = " x ".join(map(str, value.shape))
-        raise UsageError(f"{source}: '{name}' is a matrix ({shape}); give one column or row of it: {' or '.join(ways)}")
+    check_one_column(source, name, value, ("(", ")"), "1")
     return value.reshape(-1).astype(np.float64)
 
 
