@@ -36,6 +36,11 @@ def step_simulator(config: Mapping[str, Any]) -> StepSimulator:
     return StepSimulator(Composition(plant, tuple(model_of(config, plant)[0])))
 
 
+def compile_stepping(config: Mapping[str, Any]) -> None:
+    """Compile what a sample of a configuration's plant needs, so that no deadline passes while it is compiled."""
+    VirtualPlant(config, 1, samples=2).advance({})
+
+
 class VirtualPlant:
     """The plant of one test, at its start when it is made; what differs from test to test follows from the seed.
 

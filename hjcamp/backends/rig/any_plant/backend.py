@@ -165,6 +165,10 @@ def kernel_texts(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
 def compile_ahead(config: Mapping[str, Any]) -> None:
     """Compile what a test here needs and see whether there is a rig, before anything moves."""
     PlantControl(prepare(config, 1))
+    if config["rig"]["name"] == "simulated":
+        from hjcamp.backends.virtual_rig.stepping import compile_stepping
+
+        compile_stepping(config)
     rig = rig_in(config)
     wiring = wiring_of(rig, config)
     with while_moving() as signals, open_session(rig, wiring, 1, signals):

@@ -11,13 +11,14 @@ from hjcamp.backends.plant_simulation import plant_in
 from hjcamp.backends.rig.any_plant.backend import run_on
 from hjcamp.backends.rig.fault import RigUnavailable
 from hjcamp.backends.virtual_rig.clients import Stepped
+from hjcamp.backends.virtual_rig.stepping import compile_stepping
 from hjcamp.errors import HjcampError, RigStopped
 from hjcamp.rigs.fit import wired
 from hjcamp.rigs.rig import Rig
 
 AT = 20  # the sample at which a driver fails
 BLOCKED = 3.0  # deadlines for which a driver that blocks does so
-DEADLINE_S = 0.1
+DEADLINE_S = 0.5
 
 
 @dataclass(frozen=True)
@@ -124,6 +125,7 @@ def tried(
     rig: type[Rig], config: Mapping[str, Any], heard: Callable[[str], None] = lambda way: None
 ) -> Iterator[tuple[str, bool, str]]:
     """Yield for each way to fail whether the loop did what it must, and what it said; ``heard`` is told of each way before."""
+    compile_stepping(config)
     for way, expected in WAYS.items():
         heard(way)
         fake, said = fake_of(rig, config, way), ""
