@@ -26,7 +26,7 @@ MOST_BEGUN = 2
 class Asked:
     """How a model is searched for what it misses; ``only``, ``without`` and ``ask`` name effects, with commas.
 
-    ``shadow`` asks for the decision by nested choice as well.
+    ``alpha`` is the level of the whole answer, ``delta`` the smallest share of the error above repeatability that matters.
     """
 
     model: str = "published"
@@ -37,7 +37,8 @@ class Asked:
     workers: int | None = None
     cluster: str | None = None
     ask: str | None = None
-    shadow: bool = False
+    alpha: float = 0.05
+    delta: float = 0.10
 
     def check(self) -> None:
         """Refuse an unknown effort, and a seed and a number of processes that a run would not take."""
@@ -47,6 +48,9 @@ class Asked:
         if self.effort not in EFFORTS:
             raise unknown("effort", self.effort, EFFORTS)
         check_workers(self.workers)
+        for name, value, most in (("alpha", self.alpha, 0.5), ("delta", self.delta, 1.0)):
+            if not 0.0 < value < most:
+                raise UsageError(f"--{name} {value:g}: give a number between 0 and {most:g}")
 
 
 @dataclass(frozen=True)
@@ -76,9 +80,8 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
     """Return what the model of any plant misses (`hjcamp.diagnosis.decision.verdict`)."""
     from hjcamp.diagnosis.calibration.analysis import Known, calibrated
     from hjcamp.diagnosis.calibration.restarts import better_base
-    from hjcamp.diagnosis.choice.page import ALPHA, DELTA, Page
     from hjcamp.diagnosis.data.repeatability import not_above
-    from hjcamp.diagnosis.decision.verdict import agreed
+    from hjcamp.diagnosis.decision.verdict import decided
     from hjcamp.diagnosis.results.answer import answer
     from hjcamp.diagnosis.results.candidate_rows import asked_candidates
     from hjcamp.workers.pool import available
@@ -98,21 +101,20 @@ def diagnose_plant(data: Data, asked: Asked, report: Report = silent) -> PlantDi
         calibrated, measured, chosen, start, report, asked.seed, effort=asked.effort, workers=number, known=known, forms=forms,
         wanted=wanted,
     )  # fmt: skip
-    analysis, verdict = agreed(at(), lambda width: at(width=width))
+    analysis = at()
+    verdict = decided(analysis, asked.alpha, asked.delta)
     for _ in range(MOST_BEGUN):
-        fits = [one for step in analysis.search.steps for one in (*step.named, *step.unknown)]
-        better = better_base(analysis, verdict.shown, fits)
+        better = better_base(analysis, verdict.shown, (*verdict.named, *verdict.terms))
         if better is None:
             break
         report("better optimum found for the base parameters; restarting", 0.05)
         known.base = better
-        analysis, verdict = agreed(at(), lambda width: at(width=width))
+        analysis = at()
+        verdict = decided(analysis, asked.alpha, asked.delta)
     analysis = replace(analysis, noise_floor=not_above(analysis.noise_floor, verdict.shown.fitted.features))
     content = answer(analysis, verdict, 0.0)
     content["candidates"] = with_asked(content["candidates"], asked_candidates(analysis, verdict, wanted), wanted)
     content["made_from"] = made_from(data, asked)
-    if asked.shadow:
-        content["decision_shadow"] = Page(analysis).chosen().row(ALPHA, DELTA)
     content["seconds"] = round(time.perf_counter() - began, 3)
     return PlantDiagnosed(analysis, verdict, content)
 

@@ -74,8 +74,8 @@ def propose_after(
     from hjcamp.diagnosis.design.rivals import check_names
 
     check_names(done.analysis.search.library, rivals)
-    known = [done.verdict.model, *([done.verdict.unknown] if done.verdict.unknown else [])]
-    known += [one for step in done.analysis.search.steps for one in (*step.named, *step.unknown)]
+    verdict = done.verdict
+    known = [verdict.model, *([verdict.term] if verdict.term else []), *verdict.rivals, *verdict.named, *verdict.terms]
     return _proposed(done.analysis, done.content, known, rivals, tests, seed, None, report)
 
 

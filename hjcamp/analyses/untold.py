@@ -18,7 +18,7 @@ def untold(analysis: Analysis) -> list[str]:
     from scipy.sparse.csgraph import connected_components
 
     from hjcamp.diagnosis.estimation.intervals import intervals
-    from hjcamp.diagnosis.levels import MATTERS
+    from hjcamp.diagnosis.levels import DELTA
     from hjcamp.report.pictures.corner import SIMILAR, correlation_of
 
     fitted = analysis.base.fitted
@@ -26,7 +26,7 @@ def untold(analysis: Analysis) -> list[str]:
     similar = np.abs(correlation_of(covariance)) > SIMILAR
     base = analysis.measured.plant.base_parameters
     found = intervals(fitted, analysis.search.blocks)
-    wide = [not one.told or one.high - one.low > 2.0 * MATTERS * abs(one.value) for one in found]
+    wide = [not one.told or one.high - one.low > 2.0 * DELTA * abs(one.value) for one in found]
     kept = [k for k, one in enumerate(found) if not one.effect and one.name in base and wide[k]]
     group = connected_components(similar[np.ix_(kept, kept)], directed=False)[1]
     groups = [[found[k].name for k, own in zip(kept, group, strict=True) if own == each] for each in dict.fromkeys(group)]

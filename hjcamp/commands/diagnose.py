@@ -46,10 +46,10 @@ def diagnose(
         str,
         typer.Option(help="own or common: by the diagnosis of the plant's own, where it has one, or by that of any plant."),
     ] = "own",
-    shadow: Annotated[
-        bool,
-        typer.Option("--shadow", hidden=True, help="Decide by nested choice and a confidence set as well (decision_shadow)."),
-    ] = False,
+    alpha: Annotated[
+        float, typer.Option(help="The level of the whole answer: how often something is claimed where nothing is.")
+    ] = 0.05,
+    delta: Annotated[float, typer.Option(help="The smallest share of the error above repeatability that matters.")] = 0.10,
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
     from hjcamp.commands.any_plant import calls
@@ -70,7 +70,7 @@ def diagnose(
     if not paths:
         raise no_logs()
     check_answer_file(json)
-    asked = Asked(model, effort, seed, only, without, workers, cluster, ask, shadow)
+    asked = Asked(model, effort, seed, only, without, workers, cluster, ask, alpha, delta)
     asked.check()
     data = Data(paths, common=method == "common")
     folder_for("diagnose", data.paths, json)  # a link in its place is refused before anything is computed

@@ -11,24 +11,13 @@ FORGOTTEN = -log(LEVEL)
 # Equal readings in a row at the largest or smallest of all are the sensor's end where chance makes such a row anywhere in the logs,
 # at either end of any sensor, less often than this: one claim in twenty (`hjcamp.diagnosis.data.saturation` counts them).
 ENDS = LEVEL
-# An effect matters where it takes a tenth of the error: the smallest change that is told to a user as an improvement.
-MATTERS = 0.10
+# A verdict is decided by two numbers: the level of the whole answer, and the smallest share of the error that matters.
+ALPHA, DELTA = LEVEL, 0.10
 # Every dry contact gives way before it slips, by micrometres where it travels centimetres (Armstrong-Helouvry et al. 1994,
 # doi:10.1016/0005-1098(94)90209-7, section 2.1): up to this share of its travel that is how a contact is, no effect.
 GRANTED = 2e-4
-# Dry friction differs by this share from place to place and from time to time: the repetitions of the reference rig
-# (`hjcamp.model.declare.scatter.Scatter`); friction over place or time that is no more is how friction is, no effect.
-SCATTER = 0.03
 # A law is that kind where it takes most of what the freest law over the same driver takes.
 MOST_OF_IT = 0.5
-# Fits per step: the named effects that promise most, and the unknowns.
-FITTED = 6
-FITTED_UNKNOWNS = 2
-# Where chance promises as much, the nearest are fitted so that an answer can show them; none of them can be claimed.
-FITTED_BY_CHANCE = 2
-STEPS = 4
-# Windows so many times as long are looked at where nothing is seen: a constant force moves a mass 16 times as far in 4 times the time.
-LONGER = (2, 4)
 # A curved law is begun from so many promises, and from its usual values; so many of these are fitted, for so many rounds.
 TRIED_STARTS = 4
 FITTED_STARTS = 2

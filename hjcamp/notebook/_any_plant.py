@@ -71,16 +71,15 @@ def diagnosis_sentences(words: Any) -> list[str]:
 
 
 def diagnosis_drawn(words: Any) -> tuple[Any, ...]:
-    """Return what draws the first step of the search, and what it draws."""
-    from hjcamp.commands.any_plant.evidence import OWN, missing_of
-    from hjcamp.report.pictures.evidence import draw_gains, draw_missing
+    """Return what draws the evidence, and what it draws."""
+    from hjcamp.commands.any_plant.evidence import explained_of, missing_of
+    from hjcamp.report.pictures.evidence import draw_explained, draw_missing
 
-    steps = words.analysis.search.steps
     if words.shows_a_law:
         missing = replace(missing_of(words), after=())
         return (lambda: draw_missing(missing)["before"],)
-    if steps:
-        return draw_gains, steps[0].chance, steps[0].gain, "circularly shifted residuals", OWN
+    if words.verdict.named:
+        return draw_explained, *explained_of(words)
     raise UsageError(f"{words.title}: nothing was fitted, so there is nothing to draw")
 
 

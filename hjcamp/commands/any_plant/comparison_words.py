@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from hjcamp.commands.any_plant.head_words import print_head
 from hjcamp.commands.any_plant.plant_hints import far_states
 from hjcamp.commands.any_plant.remarks.bound_words import held_by_bounds
-from hjcamp.diagnosis.levels import MATTERS
+from hjcamp.diagnosis.levels import DELTA
 from hjcamp.report.wording.units import told
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def further_off(found: Comparison) -> list[str]:
         for other, label in others
         for k, sensor in enumerate(found.analysis.measured.sensors)
         for one in found.models
-        if one.rms[k] < (1.0 - MATTERS) * other.rms[k] and one.score > other.score
+        if one.rms[k] < (1.0 - DELTA) * other.rms[k] and one.score > other.score
     ]
     return said + better[:1]
 

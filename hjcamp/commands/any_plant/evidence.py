@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from hjcamp.report.pictures.evidence import Branch, Missing
 
 POINTS = 1500
-# In what the gains of effects stand beside each other.
-OWN = "standard deviations of each effect's own by chance"
+# Models whose shares are drawn.
+SHOWN = 12
 
 
 def evidence_pictures(words: Words) -> dict[str, str]:
@@ -25,9 +25,8 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     from hjcamp.records.log import observed
     from hjcamp.report.pictures.evidence import (
         draw_correlations,
-        draw_gains,
+        draw_explained,
         draw_missing,
-        draw_remaining_law,
         draw_worst_test,
     )
 
@@ -35,10 +34,8 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     found: dict[str, str] = {}
     if words.shows_a_law:
         found |= {f"missing_{name}": svg for name, svg in draw_missing(missing_of(words)).items()}
-    if verdict.effects and words.beyond_names:
-        found["beside"] = draw_remaining_law(remaining_law_of(words))
-    if verdict.swing:
-        found["swing"] = draw_worst_test(*_swing(verdict.swing), observed="calibrated")
+    if words.swing:
+        found["swing"] = draw_worst_test(*_swing(words.swing), observed="calibrated")
     models = {"calibrated": analysis.base}
     if verdict.effects:
         models["with what was found"] = verdict.model
@@ -46,9 +43,8 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     found["worst_test"] = draw_worst_test(
         *_worst_test(words, errors), observed=observed(test.log for test in analysis.measured.tests)
     )
-    if analysis.search.steps:
-        first = analysis.search.steps[0]
-        found["gains"] = draw_gains(first.chance, first.gain, "circularly shifted residuals", OWN)
+    if verdict.named or verdict.terms:
+        found["gains"] = draw_explained(*explained_of(words))
     return found | draw_correlations(*_correlations(words, errors))
 
 
@@ -61,7 +57,7 @@ def _without_starts(words: Words, model: Scored) -> Any:
     layout, windows.place = windows.layout, model.place
     raw = windows.errors(model.fitted.candidate)
     shape = (len(layout.of_test), raw.shape[1], layout.basis.shape[1])
-    less = model.fitted.features.reshape(shape) - layout.coefficients(raw)
+    less = layout.predictions(model.fitted.features).reshape(shape) - layout.coefficients(raw)
     smooth = np.einsum("wso,to->wts", less, layout.basis).reshape(raw.shape)
     return raw + smooth * layout.measured.noise
 
@@ -72,8 +68,8 @@ def missing_of(words: Words) -> Missing:
     from hjcamp.diagnosis.decision.law_curve import law_curves
 
     analysis, verdict = words.analysis, words.verdict
-    first = verdict.shown if verdict.unknown and not verdict.effects else analysis.search.steps[0].unknown[0]
-    [name] = [one for one in first.names if one in analysis.search.unknowns]
+    first = verdict.term or verdict.terms[0]
+    name = next(one for one in first.names if one in analysis.search.unknowns)
     known = analysis.search.unknowns[name]
     curve = curve_of(analysis, first, name)
     law: tuple[Branch, ...] = ()
@@ -86,19 +82,6 @@ def missing_of(words: Words) -> Missing:
         after = (_branch(curve_of(analysis, rest, name)),) if rest is not None else ()
     missing = _missing(known, curve, _branches(words, known, curve), law, after, added)
     return missing if added else replace(missing, forms=_forms(words, curve))
-
-
-def remaining_law_of(words: Words) -> Missing:
-    """Return the non-parametric term that is missing in addition to the named effects."""
-    from hjcamp.diagnosis.decision.free_curve import curve_of
-
-    analysis, unknown = words.analysis, words.verdict.unknown
-    assert unknown is not None
-    [name] = [one for one in unknown.names if one in analysis.search.unknowns]
-    curve = curve_of(analysis, unknown, name)
-    known = analysis.search.unknowns[name]
-    missing = _missing(known, curve, (), (), _branches(words, known, curve), words.verdict.effects)
-    return replace(missing, forms=_forms(words, curve))
 
 
 def _forms(words: Words, curve: dict[str, Any]) -> tuple[Branch, ...]:
@@ -179,16 +162,32 @@ def amplitude_band(candidates: list[dict[str, Any]], effects: Any, library: Any)
 
 
 def _after(words: Words, known: Unknown) -> Scored | None:
-    """Return the same non-parametric term in addition to the model with what was named, from the last look or fitted now."""
-    search, model = words.analysis.search, words.verdict.model
-    for step in reversed(search.steps):
-        if step.before is model:
-            for one in step.unknown:
-                if known.effect.name in one.names:
-                    return one
+    """Return the same non-parametric term in addition to the model with what was named."""
+    model = words.verdict.model
+    search = words.analysis.search.at(model.place)
     none = {**known.ends, **dict.fromkeys(known.amplitudes, 0.0)}
     fitted = search.fitted(model.fitted.candidate.with_effect(known.effect.name, none))
     return fitted if np.isfinite(fitted.left_out) else None
+
+
+def explained_of(words: Words) -> tuple[Any, ...]:
+    """Return the arguments of the picture of what each model explains: names, shares, which are not ruled out, and delta."""
+    analysis, verdict = words.analysis, words.verdict
+    base = analysis.base.features
+    models = dict.fromkeys(
+        (verdict.model, *verdict.rivals, *([verdict.term] if verdict.term else []), *verdict.named, *verdict.terms)
+    )
+    found = [(one.beyond(analysis.base), analysis.channels.share(one.features, base, base)) for one in models]
+    found = sorted((one for one in found if one[0]), key=lambda one: -one[1])[:SHOWN]
+    kept = {*verdict.confidence_set, *([verdict.term.beyond(analysis.base)] if verdict.term else [])}
+    labels = [" + ".join(label_of(analysis.search, name) for name in names) for names, _ in found]
+    return labels, [share for _, share in found], [names in kept for names, _ in found], verdict.delta
+
+
+def label_of(search: Any, name: str) -> str:
+    """Return how a candidate is called in a picture: an effect by its name, a term by what it is and what drives it."""
+    known = search.unknowns.get(name)
+    return name if known is None else f"{known.quantity} over {known.signal}".replace("_", " ")
 
 
 def _worst_test(words: Words, errors: dict[str, Any]) -> tuple[Any, ...]:

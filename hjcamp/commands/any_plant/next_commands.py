@@ -11,15 +11,13 @@ def next_commands(words: Words, paths: str, model: str, folder: str = "diagnose"
     own = "" if model == "published" else f" --model {model}"
     # no law of an effect can know a course of its own in each condition
     curve = bool(words.content["unknowns"]) and not words.content["unknowns"][0]["apart_s"]
-    law = f"hjcamp effects new MY_EFFECT --from {folder}   # what is missing in addition"
-    further = [law] if curve and words.beyond_names else []
     if words.verdict.word == "effect":
         added, named = " ".join(words.verdict.effects), "_and_".join(words.verdict.effects)
-        return [f"hjcamp add {added} {paths}{own} --as with_{named}", *further]
-    if words.verdict.word == "one_of":
+        return [f"hjcamp add {added} {paths}{own} --as with_{named}"]
+    if words.verdict.word == "one_of" or words.or_outside:
         sets = words.verdict.confidence_set[:2]
         adds = [f"hjcamp add {' '.join(one)} {paths}{own} --as with_{'_and_'.join(one)}" for one in sets]
-        return [f"hjcamp next {paths}{own}", *adds, *further]
+        return [f"hjcamp next {paths}{own}", *adds]
     if words.verdict.word == "outside_library":
         if words.content["by_condition"] and not words.content["unknowns"]:
             return ["hjcamp calibrate LOGS_OF_ONE --as NAME   # each specimen or condition by itself"]

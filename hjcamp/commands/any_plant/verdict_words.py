@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.untold import untold
@@ -20,7 +21,7 @@ from hjcamp.commands.any_plant.remarks.outside_words import (
     seldom,
     swing_words,
 )
-from hjcamp.commands.any_plant.remarks.remaining_words import false_claims, least, most_remains, over_noise, remains, still_errs
+from hjcamp.commands.any_plant.remarks.remaining_words import least, most_remains, over_noise, remains, still_errs
 from hjcamp.commands.any_plant.remarks.telling_words import telling_tests
 from hjcamp.commands.any_plant.words import (
     bound_word,
@@ -28,14 +29,13 @@ from hjcamp.commands.any_plant.words import (
     end_words,
     still_words,
 )
-from hjcamp.diagnosis.levels import LEVEL
 from hjcamp.diagnosis.results.shares import left_of, share_of
-from hjcamp.report.wording.chance import chance_words
 from hjcamp.report.wording.repeatability import worst_words
 from hjcamp.report.wording.units import plain, told_estimate, told_interval
 
 if TYPE_CHECKING:
     from hjcamp.diagnosis.calibration.analysis import Analysis
+    from hjcamp.diagnosis.decision.periodic_disturbance import Swing
     from hjcamp.diagnosis.decision.verdict import Verdict
 
 SHOWN = 6
@@ -60,6 +60,8 @@ class Words:
     @property
     def title(self) -> str:
         """The verdict in one line."""
+        if self.or_outside:
+            return f"ONE OF THESE, OR OUTSIDE  {'; '.join(' with '.join(names) for names in self.verdict.confidence_set)}"
         names = ", ".join(self.verdict.effects)
         drivers = self.content["drivers"]
         place, _, local = drivers[0].rpartition("_") if drivers else ("", "", "")
@@ -69,18 +71,29 @@ class Words:
         said = names or (f"depends on {state or local_driver(local) + of_place}" if drivers else differs)
         if self.verdict.word == "nothing_missing" and (far := self.far_off):
             return f"NOTHING IDENTIFIED  {still_errs(*far)}"
-        if self.verdict.word == "nothing_missing" and self.verdict.p_value <= LEVEL:
-            return f"NOTHING IDENTIFIED  the residual exceeds chance ({self.chance})"
         return f"{TITLES[self.verdict.word]}{'  ' + said if said else ''}"
 
     @property
-    def chance(self) -> str:
-        """The verdict's p-value, with the gain against those by chance where it is that of the first look."""
-        steps = self.analysis.search.steps
-        if not steps or self.verdict.p_value != steps[0].told:
-            return f"p = {plain(self.verdict.p_value, 2)}"
-        orders = min(steps[0].orders, len(steps[0].chance))
-        return chance_words(self.verdict.p_value, steps[0].gain, steps[0].chance[:orders])
+    def or_outside(self) -> bool:
+        """Whether names are not ruled out beside something outside the library."""
+        return self.verdict.outside and any(self.verdict.confidence_set)
+
+    @property
+    def evidence(self) -> str:
+        """What the verdict rests on: the share of the error that is explained, p, and the blocks."""
+        gate = self.verdict.gate
+        return (
+            f"On blocks left out the best model explains {100.0 * max(gate.gain, 0.0):.0f} % of the error above repeatability "
+            f"(p = {plain(gate.p_value, 2)}, {gate.blocks:.1f} independent blocks; level {plain(self.verdict.alpha, 2)}, "
+            f"smallest share that matters {100.0 * self.verdict.delta:.0f} %)"
+        )
+
+    @cached_property
+    def swing(self) -> Swing | None:
+        """What oscillates by itself, where the answer remarks it."""
+        from hjcamp.diagnosis.decision.periodic_disturbance import swing_of
+
+        return swing_of(self.analysis) if self.content["swings"] else None
 
     @property
     def fitted_with(self) -> Mapping[str, Any]:
@@ -100,44 +113,12 @@ class Words:
     @property
     def shows_a_law(self) -> bool:
         """Whether a non-parametric term was fitted whose curve can be shown."""
-        steps = self.analysis.search.steps
-        return bool((self.verdict.unknown and not self.verdict.effects) or (steps and steps[0].unknown))
-
-    @property
-    def beyond_names(self) -> bool:
-        """Whether the first non-parametric term is something in addition to the named effects, no other form of one of them."""
-        return bool(self.content["unknowns"]) and not self.refined()
-
-    def refined(self) -> list[str]:
-        """Return the named effects (of a group the first set) that act where the first non-parametric term does, or have its form."""
-        from hjcamp.diagnosis.candidates.equivalence import equivalent_laws
-        from hjcamp.model.language.vocabulary import read_vocabulary
-
-        if not self.content["unknowns"]:
-            return []
-        first, search = self.content["unknowns"][0], self.analysis.search
-        ports = read_vocabulary(self.analysis.measured.plant).ports.values()
-        # what a store spills into belongs to the store below
-        own = {port.name: {name for local, name in port.names.items() if local != "loss_below"} for port in ports}
-        names = own.get(first["port"], set()) if first["driver"] != "time" else set()
-        return [
-            name
-            for name in (self.verdict.confidence_set[0] if self.verdict.word == "one_of" else self.verdict.effects)
-            if names & set(search.library[name].terms) or equivalent_laws(search.unknowns[first["law"]], search.library[name])
-        ]
+        return bool(self.verdict.terms)
 
     @property
     def driver_words(self) -> str:
         """What drives the first non-parametric term, in words."""
         return str(self.content["unknowns"][0]["signal"]).replace("_", " ")
-
-    def _not_enough(self) -> str:
-        """Return in words why what can be identified from the motion has no name."""
-        if refused := self.verdict.refused:
-            one = len(refused) == 1
-            verbs = ("improves", "explains") if one else ("improve", "explain")
-            return f"{' with '.join(refused)} {verbs[0]} prediction but {verbs[1]} less than half of it"
-        return "no effect of the library and no law of one quantity is shown to explain it block by block"
 
     def sentences(self) -> list[str]:
         """The answer in sentences."""
@@ -166,9 +147,11 @@ class Words:
             found += [*held_by_bounds(self.content["calibration"]), *(f"{one}." for one in verdict.lacking)]
         if verdict.word == "effect":
             found += [f"{name}: {library[name].sentence()}" for name in verdict.effects]
+        sets = "; ".join(" with ".join(names) for names in verdict.confidence_set)
         if verdict.word == "one_of":
-            sets = "; ".join(" with ".join(names) for names in verdict.confidence_set)
             found.append(f"These tests do not rule out: {sets}.")
+        if self.or_outside:
+            found.append(f"These tests do not rule out: {sets}; but something that the library does not have explains more.")
         return found
 
     def _not_named(self) -> list[str]:
@@ -179,17 +162,12 @@ class Words:
                 self.content["formulas"], described_term(first), self.driver_words, self.analysis.noise_floor.source
             )
             found.append(
-                f"{with_article(described_term(first), begins=True)}, as a non-parametric term, predicts better than any "
-                "effect of the library: "
-                f"it leaves {100.0 * left_of(first):.0f} % of {share_of(first, self.analysis.noise_floor.source)}. "
+                f"{with_article(described_term(first), begins=True)}, as a non-parametric term, "
+                f"leaves {100.0 * left_of(first):.0f} % of {share_of(first, self.analysis.noise_floor.source)}"
+                f"{'' if self.or_outside else ', less than any effect of the library'}. "
                 "Its curve is on the page, and holds with the parameters in the column 'with what was found'."
             )
-            found += over_time_words(first, self.analysis.measured.repeated, verdict.p_value)
-        if beyond_names := self.content["follows_motion"]["beside_law"]:
-            found.append(
-                f"A regression on current motion and inputs still predicts {100.0 * beyond_names:.0f} % of the remaining error "
-                "(held-out blocks): something else is missing as well, or it depends on the past."
-            )
+            found += over_time_words(first, self.analysis.measured.repeated)
         if self.content["swings"]:
             found.append(swing_words(self.content["swings"]))
         if self.content["by_condition"]:
@@ -198,84 +176,55 @@ class Words:
         return found
 
     def _regression(self) -> list[str]:
-        """Say what a regression on motion and inputs predicts that nothing else explains, or that nothing explains the error."""
+        """Say what a regression on motion and inputs predicts that no law explains, or that nothing explains the error."""
         verdict, found = self.verdict, list[str]()
         if verdict.follows:
-            above = " above repeatability" if self.analysis.noise_floor.source == "repetitions" else ""
             found.append(
-                f"A regression on current motion and inputs predicts {100.0 * verdict.follows:.0f} % of the error{above} (held-out "
-                f"blocks), but {self._not_enough()}: it may depend on several quantities, or on the past."
+                f"A regression on current motion and inputs predicts {100.0 * verdict.follows:.0f} % of the error above repeatability "
+                "(held-out blocks), and no effect of the library and no law of one quantity as much: it may depend on several "
+                "quantities, or on the past."
             )
-            told_most = [one.replace("_", " ") for one in self.content["follows_motion"]["quantities"]]
-            if told_most:
-                found.append(f"Most predictive: {', '.join(told_most)}.")
+            most = [one.replace("_", " ") for one in self.content["follows_motion"]["quantities"]]
+            found += [f"Most predictive: {', '.join(most)}."] if most else []
+        if verdict.word == "outside_library" and not verdict.term and not self.or_outside:
             found += self._seldom()
-        elif verdict.word == "outside_library" and not any(self.content[key] for key in ("unknowns", "swings", "by_condition")):
-            repeated = self.analysis.noise_floor.source == "repetitions" and verdict.law_left == 1.0
-            found.append(
-                "An effect of the library improves prediction but explains less than half of what is missing: it is not that."
-                if not repeated
-                else "Most of the residual is common to the repetitions, in most windows, but no effect of the library and no "
-                "non-parametric term is shown to explain it."
-            )
-            found += self._seldom() if repeated else []
         return found
 
     def _nothing(self) -> list[str]:
         """Say that nothing is missing, and what that rests on."""
-        verdict, found = self.verdict, list[str]()
-        if verdict.word == "nothing_missing":
-            found.append(
-                "No effect and no non-parametric term is shown to explain a relevant share of the error (10 %) on held-out blocks."
-                if verdict.p_value <= LEVEL
-                else f"No candidate improves prediction beyond chance ({self.chance})."
-            )
-            if verdict.p_value <= LEVEL:
-                found += self._seldom()
-        return found
+        if self.verdict.word != "nothing_missing":
+            return []
+        upper = 100.0 * min(max(self.verdict.gate.upper, 0.0), 1.0)
+        return [
+            f"No effect, no pair of effects and no non-parametric term explains {100.0 * self.verdict.delta:.0f} % of the error above "
+            f"repeatability on held-out blocks; at most {upper:.0f} % could be explained."
+        ]
 
     def _other_shape(self) -> list[str]:
         """Say what the named effects leave that could be explained."""
-        verdict, first, found = self.verdict, self._first_law, list[str]()
-        if verdict.word in ("effect", "one_of") and verdict.law_left > 0.05:
-            left = 100.0 * min(verdict.law_left, 1.0)
-            if first and self.beyond_names:
-                found.append(
-                    "Something outside the library is missing as well: in addition to what was found, "
-                    f"{with_article(described_term(first))} "
-                    f"explains the last {left:.0f} % of the error that can be explained. Its curve is on the page."
-                )
-                found += formula_words(self.content["formulas"], described_term(first), self.driver_words)
-            else:
-                freest = with_article(described_term(first)) if first else "a regression on the motion"
-                law = f"The law of {' or '.join(self.refined())}" if len(verdict.effects) > 1 and first else "The law"
-                found.append(f"{law} leaves {left:.0f} % of what {freest} explains: the true law has a different shape.")
-        return found
+        verdict = self.verdict
+        if verdict.word not in ("effect", "one_of") or verdict.law_left <= 0.05:
+            return []
+        return [
+            f"The law leaves {100.0 * min(verdict.law_left, 1.0):.0f} % of what the best model explains: the true law may have a "
+            "different shape."
+        ]
 
     def _error(self) -> list[str]:
-        """Say how large the error is, before and after, and by what chance it would be."""
+        """Say how large the error is, before and after, and what the verdict rests on."""
         verdict, error, found = self.verdict, self.content["error"], list[str]()
-        if verdict.word in ("effect", "one_of") or (verdict.word == "outside_library" and verdict.unknown):
+        if verdict.effects or verdict.term:
             source = self.analysis.noise_floor.source
             found += most_remains(self.content, verdict, source) or over_noise(self.content, source)
-        if verdict.word == "cannot_tell":
+        if not verdict.named and verdict.word == "cannot_tell":
             return found
         found.append(
             f"Normalised error on held-out blocks: {error['baseline']:.2f} calibrated"
-            + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects or verdict.unknown else ".")
+            + (f" -> {error['augmented']:.2f} with what was found." if verdict.effects or verdict.term else ".")
         )
         if verdict.word == "nothing_missing" and (far := self.far_off):
-            found.append(remains(*far, verdict.p_value))
-        elif verdict.word == "nothing_missing" and verdict.p_value <= LEVEL:
-            found.append(
-                f"The residual exceeds chance ({self.chance}): something small may be missing, or something "
-                "that the library does not describe."
-            )
-        elif not verdict.swing and (verdict.p_value <= LEVEL or verdict.effects):
-            found.append(f"Chance: {self.chance} (circularly shifted residuals, whole library).")
-        if verdict.word != "nothing_missing" and not verdict.swing:
-            found += false_claims(self.content["false_claims"])
-        return found
+            found.append(remains(*far, verdict.gate.p_value))
+        return [*found, f"{self.evidence}."]
 
     def _remarks(self) -> list[str]:
         """Say what does not change the verdict: of bounds, memory, delays, ends of sensors, the plant's file."""
@@ -290,7 +239,7 @@ class Words:
         held = [] if verdict.word == "cannot_tell" else held_by_bounds(rows)
         found += untold(self.analysis) + held + late_inputs(late, verdict.effects, period)
         found += end_words(self.content["ends"]) + divergence_words(self.content) + still_words(self.content["still"])
-        left = not verdict.effects and bool(verdict.p_value <= LEVEL or self.far_off)
+        left = not verdict.effects and bool(verdict.word != "nothing_missing" or self.far_off)
         found += never_alone(library) + plant_hints(self.analysis.windows, late, self.content["unknowns"][:1], left)
         return found
 

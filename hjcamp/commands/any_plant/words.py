@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.commands.any_plant.head_words import print_head
 from hjcamp.commands.any_plant.remarks.bound_words import held_by_bounds
-from hjcamp.diagnosis.levels import MATTERS
+from hjcamp.diagnosis.levels import DELTA
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.report.wording.units import plain, told, told_all, told_estimate, told_interval, told_like
 
@@ -97,7 +97,7 @@ def divergence_words(content: Mapping[str, Any]) -> list[str]:
     grown = [
         f"{name.replace('_', ' ')} ({plain(before, 3)} -> {plain(after, 3)} {unit})"
         for name, before, after, unit in rows
-        if before <= (1.0 - MATTERS) * after
+        if before <= (1.0 - DELTA) * after
     ]
     more = "With what was found the error of whole tests grows: {}. It may stand for something else, that acts slowly."
     return [
@@ -172,14 +172,14 @@ def helped(found: Addition, content: Mapping[str, Any]) -> list[str]:
     if found.helps:
         return []
     search, base = found.analysis.search, found.analysis.base
-    if search.error_ratio(found.model, base) > 1.0 - MATTERS:
+    if found.gain < DELTA:
         whole = content["whole_tests"].values()
         if content["runs_away"] == ["baseline"]:
             return [
                 "The error of windows does not fall by a relevant share; but over whole tests this model follows the measurement, "
                 "where the calibrated one does not."
             ]
-        if any(row["augmented"]["whole_rms"] <= (1.0 - MATTERS) * row["baseline"]["whole_rms"] for row in whole):
+        if any(row["augmented"]["whole_rms"] <= (1.0 - DELTA) * row["baseline"]["whole_rms"] for row in whole):
             return ["The error of windows does not fall by a relevant share; that of whole tests does."]
         return ["The error does not fall by a relevant share: this model explains these tests no better."]
     t, blocks = search.t(found.model, base)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled
 from hjcamp.diagnosis.estimation.intervals import Interval, intervals, limited
 from hjcamp.diagnosis.levels import LEVEL
-from hjcamp.diagnosis.selection.forward import Search
 from hjcamp.diagnosis.selection.scored import Scored
+from hjcamp.diagnosis.selection.search import Search
 
 
 def held_away(search: Search, base: Scored) -> tuple[str, ...]:

@@ -13,21 +13,23 @@ from hjcamp.algebra import take_one_thread
 from hjcamp.diagnosis.calibration.active_bounds import held_away
 from hjcamp.diagnosis.calibration.contact_compliance import with_contact_forms
 from hjcamp.diagnosis.calibration.hidden_states import completed_states
+from hjcamp.diagnosis.calibration.kinds import with_balances
 from hjcamp.diagnosis.calibration.multistart import BEGUN_APART, above_noise, best_begun, in_parts, refitted_from_model_states
 from hjcamp.diagnosis.calibration.prediction_windows import predictable, simulated_through
 from hjcamp.diagnosis.calibration.window_length import width_of
 from hjcamp.diagnosis.candidates.nonparametric_terms import courses_of, ranges_of, unknowns_of
 from hjcamp.diagnosis.candidates.visited_range import about_visited
 from hjcamp.diagnosis.data.feedthrough import may_be_late
-from hjcamp.diagnosis.data.repeatability import NoiseFloor, noise_floor_of, repeatability_of
+from hjcamp.diagnosis.data.repeatability import NoiseFloor, noise_floor_of
 from hjcamp.diagnosis.data.tests import MOST_DELAY, Measured
 from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, Fitted, Free, settled
 from hjcamp.diagnosis.residuals.kernels import Kernels
 from hjcamp.diagnosis.residuals.simulated import ZERO
 from hjcamp.diagnosis.residuals.windows import Windows
-from hjcamp.diagnosis.selection.forward import Search
 from hjcamp.diagnosis.selection.scored import Scored
+from hjcamp.diagnosis.selection.search import Search
 from hjcamp.diagnosis.validation.blocks import blocks_of
+from hjcamp.diagnosis.validation.channels import Channels
 from hjcamp.errors import UsageError
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
@@ -63,13 +65,16 @@ class Known:
 
 @dataclass(frozen=True)
 class Analysis:
-    """Windows of the tests with a model to start from, calibrated; where they began before any fit is what the search has as first."""
+    """Windows of the tests with a model to start from, calibrated; where they began before any fit is what the search has as first.
+
+    ``channels`` are what a model is judged by: the sensors' predictions, then balances of measured states."""
 
     windows: Windows
     search: Search
     start: Candidate
     base: Scored
     noise_floor: NoiseFloor
+    channels: Channels
 
     @property
     def measured(self) -> Measured:
@@ -139,9 +144,12 @@ def calibrated(
     scored = with_contact_forms(search, search.scored(fitted), known.shown)
     known.shown |= set(scored.names) & windows.forms
     known.base = dict(scored.fitted.candidate.base)
-    layout, features = windows.layout, scored.fitted.features
-    search.repeatability = repeatability_of(layout, features)
-    return Analysis(windows, search, candidate, scored, noise_floor_of(layout, features))
+    report("balances at measured states", 0.2)
+    scored, channels = with_balances(search, scored)
+    layout = windows.layout
+    return Analysis(
+        windows, search, candidate, scored, noise_floor_of(layout, layout.predictions(scored.fitted.features)), channels
+    )
 
 
 def _free_base(measured: Measured, start: Mapping[str, float]) -> tuple[dict[str, float], list[Free]]:

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from hjcamp.diagnosis.estimation.gauss_newton import Fitted
 from hjcamp.diagnosis.levels import GRANTED
 from hjcamp.diagnosis.residuals.initial_states import rate_of
-from hjcamp.diagnosis.selection.forward import Search
 from hjcamp.diagnosis.selection.scored import Scored
+from hjcamp.diagnosis.selection.search import Search
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.declare.effect import Effect
 from hjcamp.model.declare.port import Port

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hjcamp.diagnosis.calibration.hidden_states import begin_hidden
 from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.estimation.gauss_newton import SETTLED, TURNS_OF_BASE, Fitted, settled
-from hjcamp.diagnosis.levels import LEVEL, MATTERS
+from hjcamp.diagnosis.levels import DELTA, LEVEL
 from hjcamp.diagnosis.residuals.windows import Windows
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
@@ -31,7 +31,7 @@ def above_noise(layout: Layout, features: Array) -> bool:
     """Whether features (windows, d) are more than the noise of a sensor by chance: what leaves no more cannot be fitted better."""
     from scipy.special import gammaincinv
 
-    each = features.reshape(len(features), len(layout.measured.sensors), -1)
+    each = layout.predictions(features).reshape(len(features), len(layout.measured.sensors), -1)
     # the sum of n squares of noise is chi-squared
     half = 0.5 * each[:, 0].size
     return bool(np.any(np.mean(each**2, axis=(0, 2)) > gammaincinv(half, 1.0 - LEVEL) / half))
@@ -50,7 +50,7 @@ def in_parts(windows: Windows, fitted: Fitted) -> Fitted:
         finer.place = windows.place
         left = windows.features(fitted.candidate)
         change, usual = (_rms(one, windows.layout) for one in (finer.features(fitted.candidate) - left, left))
-        if not np.any(change > MATTERS * np.maximum(1.0, MATTERS * usual)):
+        if not np.any(change > DELTA * np.maximum(1.0, DELTA * usual)):
             break
         windows.layout = finer.layout
         fitted = settled(windows, fitted.candidate, fitted.free, turns=TURNS_OF_BASE)
@@ -59,7 +59,11 @@ def in_parts(windows: Windows, fitted: Fitted) -> Fitted:
 
 def _rms(features: Array, layout: Layout) -> Array:
     """Return the rms of features (windows, d) of each sensor (sensors,)."""
-    return np.asarray(np.sqrt(np.mean(features.reshape(len(features), len(layout.measured.sensors), -1) ** 2, axis=(0, 2))))
+    return np.asarray(
+        np.sqrt(
+            np.mean(layout.predictions(features).reshape(len(features), len(layout.measured.sensors), -1) ** 2, axis=(0, 2))
+        )
+    )
 
 
 def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterable[str]) -> Fitted:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.diagnosis.data.segments import Layout
-from hjcamp.diagnosis.levels import LEVEL, MATTERS, MOST_OF_IT
+from hjcamp.diagnosis.levels import DELTA, LEVEL, MOST_OF_IT
 
 Array = NDArray[np.float64]
 # Moments this far apart are looked at twice, not one after the other.
@@ -45,41 +45,22 @@ class Repeatability:
     squares: Array
     unsure: Array
 
-    def left(self, one: Array, other: Array) -> Array:
-        r"""Return which share (sensors,) of what lies above repeatability (rms) with mean squares ``other`` stays with ``one``.
 
-        .. math:: s = \sqrt{\frac{\max(a - r, 0) + u}{\max(b - r, 0) + u}}
+def repeatability_of(layout: Layout, features: Array, channels: Sequence[slice]) -> Repeatability:
+    """Return that of each channel (columns of features (windows, d)) of a calibrated model, no less than the sensors' noise.
 
-        for mean squares a of one, b of the other, r of repeatability, u by which that is unsure: what does not lie above it by more
-        than is known hardly counts.
-        """
-        above = [np.maximum(squares - self.squares, 0.0) + self.unsure for squares in (one, other)]
-        return np.asarray(np.sqrt(above[0] / above[1]))
-
-
-def unknown_repeatability(sensors: int) -> Repeatability:
-    """Return that of tests without repetitions: all of an error counts, and as much as a sensor's noise is unsure."""
-    return Repeatability(np.zeros(sensors), np.ones(sensors))
-
-
-def repeatability_of(layout: Layout, features: Array, channels: Sequence[slice] | None = None) -> Repeatability:
-    """Return the repeatability by features (windows, d) of a calibrated model, no less than the sensors' noise.
-
-    It is unsure by its one-sided interval at the level of all claims, over windows, and by the share of it that matters. ``channels``
-    are the features of each, in equal parts those of the sensors without them.
+    It is unsure by its one-sided interval at the level of all claims, over windows, and by the share of it that matters. Without
+    repetitions all of an error counts, and as much as a sensor's noise is unsure.
     """
     from scipy.special import stdtrit
 
     repeated = _of_repetitions(layout, features)
-    if channels is None:
-        width = features.shape[1] // len(layout.measured.sensors)
-        channels = [slice(low, low + width) for low in range(0, features.shape[1], width)]
     if repeated is None:
-        return unknown_repeatability(len(channels))
+        return Repeatability(np.zeros(len(channels)), np.ones(len(channels)))
     each = np.stack([(repeated[:, one] ** 2).mean(axis=1) for one in channels], axis=1)
     squares = np.maximum(each.mean(axis=0), 1.0)
     half = stdtrit(len(each) - 1, 1.0 - LEVEL) * each.std(axis=0, ddof=1) / math.sqrt(len(each))
-    return Repeatability(squares, np.maximum(half, MATTERS * squares))
+    return Repeatability(squares, np.maximum(half, DELTA * squares))
 
 
 def not_above(noise_floor: NoiseFloor, features: Array) -> NoiseFloor:
@@ -89,6 +70,7 @@ def not_above(noise_floor: NoiseFloor, features: Array) -> NoiseFloor:
     """
     if noise_floor.source != "near_replicates":
         return noise_floor
+    features = features[:, : len(noise_floor.moments)]
     left = features.T @ features / len(features) + np.eye(features.shape[1])
     if np.linalg.slogdet(left)[1] >= np.linalg.slogdet(noise_floor.moments)[1]:
         return noise_floor
@@ -96,8 +78,8 @@ def not_above(noise_floor: NoiseFloor, features: Array) -> NoiseFloor:
 
 
 def in_units(squares: Array, layout: Layout) -> Array:
-    """Return the rms (sensors,), SI, of mean squares of features (d,)."""
-    each = squares.reshape(len(layout.measured.sensors), -1).sum(axis=1)
+    """Return the rms (sensors,), SI, of mean squares of features (d,); of their predictions, where there are balances too."""
+    each = layout.predictions(squares).reshape(len(layout.measured.sensors), -1).sum(axis=1)
     return np.asarray(layout.measured.noise * np.sqrt(each / layout.width))
 
 
@@ -154,7 +136,8 @@ def shared(layout: Layout, features: Array, tests: Sequence[int]) -> Array | Non
         return None
     squares = (block.sum(axis=0) ** 2 - (block**2).sum(axis=0)).mean(axis=0) / (len(tests) * (len(tests) - 1))
     # sensors are summed before the root: single features may come out below zero
-    return in_units(np.maximum(squares.reshape(len(layout.measured.sensors), -1).sum(axis=1), 0.0), layout)
+    summed = layout.predictions(squares).reshape(len(layout.measured.sensors), -1).sum(axis=1)
+    return np.asarray(layout.measured.noise * np.sqrt(np.maximum(summed, 0.0) / layout.width))
 
 
 def _side_by_side(layout: Layout, features: Array, tests: Sequence[int]) -> Array:

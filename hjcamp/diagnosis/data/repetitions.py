@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.diagnosis.data.measured_test import MeasuredTest
-from hjcamp.diagnosis.levels import MATTERS
+from hjcamp.diagnosis.levels import DELTA
 
 Array = NDArray[np.float64]
 # A course is compared by means over so many samples: a controller's answer to noise is none of it.
@@ -53,7 +53,7 @@ def _same_start(one: Array, other: Array) -> bool:
     """Whether columns (n, m) begin within a tenth of what they do, each of its own rms."""
     both = np.concatenate([one, other])
     apart = one[:FIRST].mean(axis=0) - other[:FIRST].mean(axis=0)
-    return bool(np.all(apart**2 <= MATTERS**2 * np.mean((both - both.mean(axis=0)) ** 2, axis=0)))
+    return bool(np.all(apart**2 <= DELTA**2 * np.mean((both - both.mean(axis=0)) ** 2, axis=0)))
 
 
 def _shared(one: Array, other: Array) -> bool:
@@ -61,4 +61,4 @@ def _shared(one: Array, other: Array) -> bool:
     count = min(len(one), len(other)) // BLOCK
     a, b = (columns[: count * BLOCK].reshape(count, BLOCK, -1).mean(axis=1) for columns in (one, other))
     both = np.concatenate([a, b])
-    return bool(np.all(np.mean((a - b) ** 2, axis=0) <= MATTERS**2 * np.mean((both - both.mean(axis=0)) ** 2, axis=0)))
+    return bool(np.all(np.mean((a - b) ** 2, axis=0) <= DELTA**2 * np.mean((both - both.mean(axis=0)) ** 2, axis=0)))

@@ -45,6 +45,10 @@ class Layout:
     memory: int = 0
     fine: int = 1
 
+    def predictions(self, features: Array) -> Array:
+        """Return what of features (..., d) are predictions over windows (..., sensors x orders); balances stand behind them."""
+        return np.asarray(features[..., : len(self.measured.sensors) * self.basis.shape[1]])
+
     @cached_property
     def whole(self) -> list[int]:
         """Number of windows that each test has."""

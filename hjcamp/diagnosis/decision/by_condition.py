@@ -33,18 +33,22 @@ class Differs:
     parameters: dict[str, dict[str, Interval]]
 
 
-def differs_by_condition(analysis: Analysis, least: float, rival: Scored | None) -> Differs | None:
-    """Return what a base for each condition takes where that is most of what is removable (error ``least``), and more than a rival.
+def differs_by_condition(analysis: Analysis, least: float) -> Differs | None:
+    """Return what a base for each condition explains of the predictions where that is most of what is removable (error ``least``).
 
-    The rival is what was found, a name or a free law. None where there is one condition, where a condition has less than two blocks,
-    and where no parameter differs.
+    None where there is one condition, where a condition has less than two blocks, and where no parameter differs.
     """
     base, blocks, layout = analysis.base, analysis.search.blocks, analysis.windows.layout
     conditions = layout.measured.conditions
     rows = {name: np.isin(layout.of_test, tests) for name, tests in conditions.items()}
     if len(conditions) < 2 or any(len(np.unique(blocks[own])) < 2 for own in rows.values()):
         return None
-    shown, features, found = base.fitted.features.copy(), base.features.copy(), {}
+    before = replace(
+        base,
+        features=layout.predictions(base.features),
+        fitted=replace(base.fitted, features=layout.predictions(base.fitted.features)),
+    )
+    shown, features, found = before.fitted.features.copy(), before.features.copy(), {}
     for name, own in rows.items():
         windows = _of_tests(analysis.windows, base.place, conditions[name], own)
         windows.move_starts(base.fitted.candidate)
@@ -54,8 +58,8 @@ def differs_by_condition(analysis: Analysis, least: float, rival: Scored | None)
         shown[own], features[own] = fitted.features, left_out(windows, fitted, blocks[own])
         found[name] = {one.name: one for one in intervals(fitted, blocks[own]) if not one.effect}
     each = Scored(base.names, replace(base.fitted, features=shown), features, size(features), base.place)
-    takes = math.log(base.left_out / each.left_out) >= MOST_OF_IT * math.log(base.left_out / least)
-    if not takes or not all(analysis.search.beats(each, other) for other in (base, rival) if other is not None):
+    takes = math.log(size(before.features) / each.left_out) >= MOST_OF_IT * math.log(size(before.features) / least)
+    if not takes or not analysis.search.beats(each, before):
         return None
     names = [one.name for one in base.fitted.free if not one.effect and not one.name.startswith(ZERO)]
     apart = {name: _apart([one[name] for one in found.values()]) for name in names}
@@ -68,7 +72,7 @@ def _of_tests(windows: Windows, place: Place, tests: Sequence[int], rows: NDArra
     layout = replace(windows.layout, measured=windows.layout.measured.of(tests))
     remembered = {name: one[rows] for name, one in place.remembered.items()}
     slides = None if windows.slides is None else windows.slides[rows]
-    return replace(windows, layout=layout, starts=place.starts[rows], slides=slides, remembered=remembered)
+    return replace(windows, layout=layout, starts=place.starts[rows], slides=slides, remembered=remembered, balances=None)
 
 
 def _apart(found: Sequence[Interval]) -> float:

@@ -13,6 +13,7 @@ from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, Free, settled
 from hjcamp.diagnosis.estimation.intervals import Interval, intervals
 from hjcamp.diagnosis.levels import MOST_OF_IT
+from hjcamp.diagnosis.results.shares import held_out
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.plant import Plant
 
@@ -32,7 +33,7 @@ class Constant:
 def constants_otherwise(analysis: Analysis, least: float, rival: Scored | None) -> tuple[Constant, ...]:
     """Return the constants of which one, fitted with the base, takes most of what is removable (error ``least``), as a rival does.
 
-    The rival is what was found, a name or a free law; it must not predict better. What leaves least comes first.
+    The rival is what was found, a name or a non-parametric term; it must not predict better. What leaves least comes first.
     """
     search, base = analysis.search, analysis.base
     found = []
@@ -48,7 +49,7 @@ def constants_otherwise(analysis: Analysis, least: float, rival: Scored | None) 
         takes = math.log(base.left_out / model.left_out) >= MOST_OF_IT * math.log(base.left_out / least)
         worse = rival is not None and search.beats(rival, model)
         if takes and told.told and not worse and search.beats(model, base):
-            found.append(Constant(told, model.left_out))
+            found.append(Constant(told, held_out(analysis, model)))
     return tuple(sorted(found, key=lambda one: one.left_out)[:MOST_TOLD])
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hjcamp.diagnosis.data.repeatability import motion_of, moves
 from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.estimation.likelihood import whitener
-from hjcamp.diagnosis.levels import MATTERS
+from hjcamp.diagnosis.levels import DELTA
 from hjcamp.diagnosis.validation.kernel_regression import regressed, spread_over, with_before
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ def leading(layout: Layout, features: Array, blocks: NDArray[np.int64], readings
     while len(found) < MOST_NAMED:
         tried = {name: left([*found, name]) for name in groups if name not in found}
         best = min(tried, key=lambda name: tried[name])
-        if now - tried[best] <= MATTERS * (1.0 - tried[best]):
+        if now - tried[best] <= DELTA * (1.0 - tried[best]):
             break
         found.append(best)
         now = tried[best]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.calibration.multistart import above_noise
 from hjcamp.diagnosis.data.tests import Sensor
-from hjcamp.diagnosis.levels import LEVEL, LONGER, MATTERS
+from hjcamp.diagnosis.levels import DELTA, LEVEL
 from hjcamp.diagnosis.residuals.free_run import whole_errors
 from hjcamp.diagnosis.residuals.spectral_lines import BANDWIDTH, chances, own_to, refined, sine_in
 
@@ -39,7 +39,7 @@ class Swing:
 def swing_of(analysis: Analysis) -> Swing | None:
     """Return the line that takes most of what the calibrated base errs by over whole tests; None where none matters.
 
-    A line is told from the smooth spectrum beside it at the level of the last looks, over all frequencies, sensors and tests; its
+    A line differs from the smooth spectrum around it at the level of all claims, over all frequencies, sensors and tests; its
     rms is more than the sensor's noise, as all that is left has to be, and takes a tenth of the rms at least. Its phase differs from
     test to test, its frequency does not. What is given has no line there, nor at a frequency of which it is a multiple.
     A plant that may ring, with more than one state, has to forget within the bandwidth of a line: 1/e in n / (8 pi) samples.
@@ -61,14 +61,14 @@ def swing_of(analysis: Analysis) -> Swing | None:
             chance = np.minimum(chance * len(frequency) * len(tests) * len(measured.sensors), 1.0)
             for given in inputs[rows].T if np.any(chance <= LEVEL) else ():
                 chance = np.where(own_to(frequency, given, LEVEL), chance, 1.0)
-            if not len(chance) or chance.min() > LEVEL / (2.0 * (len(LONGER) + 1)):
+            if not len(chance) or chance.min() > LEVEL:
                 continue
             at = refined(errors[rows, k], float(frequency[np.argmin(chance)]))
             lines = np.concatenate([sine_in(errors[one, k], at) for one in tests])
             own = np.concatenate([errors[one, k] for one in tests])
             squares, without = np.mean(own**2), np.mean((own - lines) ** 2)
             rms, left = float(np.sqrt(max(squares - without, 0.0))), float(np.sqrt(without / squares))
-            if rms > measured.noise[k] and left <= 1.0 - MATTERS and (best is None or left < best.left):
+            if rms > measured.noise[k] and left <= 1.0 - DELTA and (best is None or left < best.left):
                 test = measured.tests[int(of_test[np.argmax(rows)])].name
                 here = (layout.time[rows], errors[rows, k], sine_in(errors[rows, k], at))
                 best = Swing(sensor, at / measured.period, rms, left, float(chance.min()), test, *here)

@@ -12,7 +12,7 @@ import numpy as np
 from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.decision.verdict import CANNOT_TELL, EFFECT, NOTHING, ONE_OF
 from hjcamp.diagnosis.design.draws import draws
-from hjcamp.diagnosis.levels import MATTERS
+from hjcamp.diagnosis.levels import DELTA
 from hjcamp.diagnosis.results.shares import left_of
 from hjcamp.diagnosis.screening.screening import Projection
 from hjcamp.diagnosis.selection.scored import Scored
@@ -99,7 +99,7 @@ def sets_of(answer: Mapping[str, Any]) -> list[tuple[str, ...]]:
     others: list[tuple[str, ...]] = [(row["effect"],) for row in answer["candidates"] if row["effect"] not in answer["effects"]]
     if answer["verdict"] == CANNOT_TELL:
         rows = sorted(answer["candidates"], key=left_of)
-        able = [(row["effect"],) for row in rows if left_of(row) <= 1.0 - MATTERS]
+        able = [(row["effect"],) for row in rows if left_of(row) <= 1.0 - DELTA]
         return [(), *able][:MOST_FOUND] if able else []
     if answer["verdict"] == ONE_OF:
         return named[:MOST]

@@ -193,4 +193,6 @@ class Windows(Simulated):
     def _unexplained(self, candidate: Candidate, found: Predicted) -> Array:
         """Return what no start explains of the errors of a prediction, and behind it the balances."""
         own = self._passage.unexplained(self._left(found), self.starts / self.sizes, found.ends / self.sizes)
-        return own if self.balances is None else np.concatenate([own, self.balances.features(candidate, found)], axis=1)
+        if self.balances is None or self.balances.layout is not self.layout:  # there are none of other windows
+            return own
+        return np.concatenate([own, self.balances.features(candidate, found)], axis=1)

@@ -12,9 +12,11 @@ from hjcamp.diagnosis.calibration.contact_compliance import forms_among
 from hjcamp.diagnosis.data.repeatability import not_above
 from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.estimation.intervals import intervals
+from hjcamp.diagnosis.levels import DELTA
 from hjcamp.diagnosis.results.answer import removed
 from hjcamp.diagnosis.results.calibration_rows import calibration
 from hjcamp.diagnosis.results.channel_rows import channel_rows, end_rows, noise_floor_size, whole_rows
+from hjcamp.diagnosis.results.shares import held_out
 from hjcamp.diagnosis.screening.screening import Projection
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.candidate import Candidate
@@ -31,8 +33,19 @@ class Addition:
 
     @property
     def helps(self) -> bool:
-        """Whether the error falls by a share that matters, block by block."""
-        return self.analysis.search.matters(self.model, self.analysis.base)
+        """Whether the error above repeatability falls by a share that matters, block by block."""
+        return self.analysis.search.beats(self.model, self.analysis.base) and self.gain >= DELTA
+
+    @property
+    def gain(self) -> float:
+        """The share of the error above repeatability that the effects explain, in the channel where it is largest."""
+        base = self.analysis.base.features
+        return self.analysis.channels.share(self.model.features, base, base)
+
+    @property
+    def models(self) -> dict[str, Scored]:
+        """The model without the effects, and with them."""
+        return {"before": self.analysis.base, "after": self.model}
 
 
 def added(
@@ -75,7 +88,7 @@ def answer(found: Addition, name: str, path: str) -> dict[str, Any]:
         "file": path,
         "effects": list(found.names),
         "helps": found.helps,
-        "error": {"before": found.analysis.base.left_out / least, "after": found.model.left_out / least, "floor": 1.0},
+        "error": {key: held_out(found.analysis, one) / least for key, one in found.models.items()} | {"floor": 1.0},
         "removed": removed(found.analysis, found.model),
         "channels": channel_rows(found.analysis, found.model),
         **whole_rows(found.analysis, found.model),
@@ -90,7 +103,6 @@ def provenance(found: Addition, command: str) -> dict[str, Any]:
     least = noise_floor_size(found.analysis)
     return {
         "command": command,
-        "error_before": float(found.analysis.base.left_out / least),
-        "error_after": float(found.model.left_out / least),
+        **{f"error_{key}": held_out(found.analysis, one) / least for key, one in found.models.items()},
         "logs_sha256": log_hashes(test.log.path for test in found.analysis.measured.tests),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,9 +10,9 @@ from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.decision.by_condition import Differs
-from hjcamp.diagnosis.decision.given_constants import Constant
+from hjcamp.diagnosis.decision.given_constants import Constant, constants_otherwise
 from hjcamp.diagnosis.decision.leading_regressors import leading
-from hjcamp.diagnosis.decision.periodic_disturbance import Swing
+from hjcamp.diagnosis.decision.periodic_disturbance import Swing, swing_of
 from hjcamp.diagnosis.decision.verdict import Verdict
 from hjcamp.diagnosis.results.calibration_rows import calibration
 from hjcamp.diagnosis.results.candidate_rows import candidates, drivers_of, unknown_rows
@@ -25,6 +26,7 @@ from hjcamp.diagnosis.results.channel_rows import (
     worst,
 )
 from hjcamp.diagnosis.results.formula_rows import formula_rows
+from hjcamp.diagnosis.results.shares import held_out
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.base_values import DELAY
 
@@ -33,36 +35,36 @@ SCHEMA = "hjcamp.diagnosis/2"
 
 
 def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, Any]:
-    """Return the answer as plain values."""
+    """Return the answer as plain values; what it remarks changes no word of the verdict."""
     model, base = verdict.model, analysis.base
     least, unknowns = noise_floor_size(analysis), unknown_rows(analysis, verdict)
+    swing = None if verdict.effects else swing_of(analysis)
     return {
         "schema": SCHEMA,
         "plant": analysis.measured.plant.name,
         "verdict": verdict.word,
         "effects": list(verdict.effects),
-        "drivers": drivers_of(unknowns) or (["time"] if verdict.swing else []),
-        "p_value": float(verdict.p_value),
+        "drivers": drivers_of(unknowns),
+        "outside": verdict.outside,
+        "decision": decision_row(verdict),
+        "p_value": float(verdict.gate.p_value),
         "candidates": candidates(analysis, verdict),
-        "error": {"baseline": base.left_out / least, "augmented": verdict.shown.left_out / least, "floor": 1.0},
+        "error": {"baseline": held_out(analysis, base) / least, "augmented": held_out(analysis, verdict.shown) / least, "floor": 1.0},
         "channels": channel_rows(analysis, verdict.shown),
         **whole_rows(analysis, verdict.shown),
         "calibration": calibration(analysis),
         "calibration_with_effects": calibration(analysis, model) if verdict.effects else {},
-        "calibration_with_unknown": calibration(analysis, verdict.unknown) if verdict.unknown else {},
+        "calibration_with_unknown": calibration(analysis, verdict.term) if verdict.term else {},
         "where": [],
         "worst": worst(analysis, model),
         "minimum_detectable": {},
         "law_left": float(np.clip(verdict.law_left, 0.0, 1.0)),
         "unknowns": unknowns,
         "formulas": formula_rows(analysis, verdict),
-        "false_claims": {} if analysis.measured.repeated else _false_claims(analysis, verdict),
-        "swings": swing_row(verdict.swing) if verdict.swing else {},
+        "swings": swing_row(swing) if swing else {},
         "by_condition": by_condition_row(analysis, verdict.differs) if verdict.differs else {},
-        "constants": {one.interval.name: constant_row(analysis, one) for one in verdict.constants},
-        "follows_motion": {
-            "share": verdict.follows, "quantities": _leading(analysis, verdict), "beside_law": _beyond_law(analysis, verdict),
-        },
+        "constants": {one.interval.name: constant_row(analysis, one) for one in _constants(analysis, verdict)},
+        "follows_motion": {"share": verdict.follows, "quantities": _leading(analysis, verdict)},
         "confidence_set": [list(names) for names in verdict.confidence_set],
         "floor": noise_floor_rows(analysis),
         "ends": end_rows(analysis.windows.layout),
@@ -116,27 +118,38 @@ def constant_row(analysis: Analysis, one: Constant) -> dict[str, Any]:
     return {"unit": item.unit, "declared": item.default, "value": one.interval.value, **one.interval.row, "left": left}
 
 
-def _false_claims(analysis: Analysis, verdict: Verdict) -> dict[str, float]:
-    """Return the published rates of the look that found a non-parametric term where one was found, else of the first look."""
-    steps = analysis.search.steps
-    found = (one for one in steps if verdict.unknown and not verdict.effects and verdict.unknown in one.unknown)
-    return next((one.false_claims for one in (*found, *steps)), {})
+def decision_row(verdict: Verdict) -> dict[str, Any]:
+    """Return what decided: the two numbers, p of the gate, the share that could be explained, and the blocks that it rests on."""
+    gate = verdict.gate
+    return {
+        "alpha": verdict.alpha,
+        "delta": verdict.delta,
+        "p_value": gate.p_value,
+        "gain": gate.gain,
+        "upper": gate.upper if math.isfinite(gate.upper) else None,
+        "blocks": gate.blocks,
+        "models": len(verdict.named) + len(verdict.terms),
+    }
+
+
+def _constants(analysis: Analysis, verdict: Verdict) -> tuple[Constant, ...]:
+    """Return the constants of the plant's file of which another value leaves no more than what was found."""
+    if not (verdict.effects or verdict.term):
+        return ()
+    models = [*verdict.named, *verdict.terms, verdict.model]
+    return constants_otherwise(analysis, min(one.left_out for one in models), verdict.shown)
 
 
 def _leading(analysis: Analysis, verdict: Verdict) -> list[str]:
     search, base = analysis.search, analysis.base
     if not verdict.follows:
         return []
-    return leading(search.windows.layout, base.features, search.blocks, search.predicted(base))
-
-
-def _beyond_law(analysis: Analysis, verdict: Verdict) -> float:
-    """Return which share of the rms that a non-parametric term leaves follows from the motion; 0 where no such term is the answer."""
-    return analysis.search.follows_motion(verdict.unknown).share if verdict.unknown and not verdict.effects else 0.0
+    layout = search.windows.layout
+    return leading(layout, layout.predictions(base.features), search.blocks, search.predicted(base))
 
 
 def removed(analysis: Analysis, model: Scored) -> float:
     """Return the share of the removable error (above the noise floor) that a model removes on held-out blocks."""
     least = noise_floor_size(analysis)
-    above = np.log(max(analysis.base.left_out / least, 1.0 + 1e-12))
-    return float(np.clip(np.log(analysis.base.left_out / model.left_out) / above, -1.0, 1.0))
+    before, after = held_out(analysis, analysis.base), held_out(analysis, model)
+    return float(np.clip(np.log(before / after) / np.log(max(before / least, 1.0 + 1e-12)), -1.0, 1.0))

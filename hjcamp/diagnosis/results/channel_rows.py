@@ -139,7 +139,7 @@ def worst(analysis: Analysis, model: Scored) -> list[dict[str, Any]]:
 
 def _few_windows(layout: Layout, features: Array, rows: NDArray[np.int64], k: int) -> list[dict[str, Any]]:
     """Return the test and the begin, s, of the fewest windows that hold half of what a sensor errs by; none where these are many."""
-    squares = (features[rows] ** 2).reshape(len(rows), len(layout.measured.sensors), -1)[:, k].sum(axis=1)
+    squares = (layout.predictions(features[rows]) ** 2).reshape(len(rows), len(layout.measured.sensors), -1)[:, k].sum(axis=1)
     largest = np.argsort(squares)[::-1]
     count = int(np.searchsorted(np.cumsum(squares[largest]), 0.5 * squares.sum())) + 1
     return [

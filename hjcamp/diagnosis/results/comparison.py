@@ -122,7 +122,7 @@ def shown_of(analysis: Analysis, name: str, features: Array, errors: Array) -> S
     spread = np.mean((layout.readings - layout.means) ** 2, axis=0)
     left = np.mean(errors**2, axis=0)
     explained = 1.0 - left / np.maximum(spread, 1e-300)
-    return Shown(name, rms, by_test, explained, size(features) / noise_floor_size(analysis), errors)
+    return Shown(name, rms, by_test, explained, size(layout.predictions(features)) / noise_floor_size(analysis), errors)
 
 
 def _number(value: float) -> float | None:

@@ -31,13 +31,13 @@ def formula_rows(analysis: Analysis, verdict: Verdict) -> dict[str, Any]:
 
     ``none`` is true where even the best leaves more than the errors of the knots explain, at the ``level`` that is stated.
     """
-    if verdict.unknown is None:
+    if verdict.term is None:
         return {}
-    [name] = [one for one in verdict.unknown.names if one in analysis.search.unknowns]
+    name = next(one for one in verdict.term.names if one in analysis.search.unknowns)
     known = analysis.search.unknowns[name]
     if known.apart:
         return {}
-    law = _Law(analysis, verdict.unknown, known)
+    law = _Law(analysis, verdict.term, known)
     found = formulas_of(law.curve) if len(law.curve.knots) >= FEWEST else []
     if not found:
         return {}

@@ -69,13 +69,6 @@ def draw_missing(missing: Missing) -> dict[str, str]:
     return found
 
 
-def draw_remaining_law(missing: Missing) -> str:
-    """Return the picture of what is missing after what was named, on a scale of its own."""
-    across, up, (_, _, after, forms) = _scaled(missing)
-    title = f"missing: {_shortly(missing.name)}"
-    return _panel(after, (), missing.name, title, (across, up, _limits([one.y for one in after])), forms)
-
-
 def _shortly(name: str) -> str:
     """Return what was added, in words that fit above a panel."""
     return f"with {name}" if len(name) <= LONGEST_NAME else "with what was found"
@@ -195,6 +188,31 @@ def draw_gains(chance: Array, gain: float | None, what: str, unit: str = "log-li
         axis.legend(fontsize=7.5, frameon=False, loc="upper center", ncols=2)
 
     return draw(STRIP, "gains", paint)
+
+
+def draw_explained(names: Sequence[str], shares: Sequence[float], kept: Sequence[bool], delta: float) -> str:
+    """Return the share of the error above repeatability that each model explains as bars, those that are not ruled out filled.
+
+    ``delta`` is the smallest share that matters.
+    """
+
+    def paint(figure: Any) -> None:
+        axis = figure.subplots()
+        places = np.arange(len(names))[::-1]
+        for place, share, stays in zip(places, shares, kept, strict=True):
+            fill, edge = (RED, RED) if stays else ("none", INK)
+            axis.barh(place, max(share, 0.0), height=0.6, color=fill, edgecolor=edge, linewidth=0.8)
+        axis.axvline(
+            delta, color=INK, linewidth=0.9, linestyle="--", label=f"smallest share that matters ({100.0 * delta:.0f} %)"
+        )
+        axis.set_yticks(places, list(names), fontsize=7.5)
+        axis.set_xlim(0.0, max(1.0, *shares))
+        dress(axis, "")
+        axis.set_title("what each model explains; filled: not ruled out", color=INK, fontsize=9, loc="left")
+        axis.set_xlabel("share of the error above repeatability, blocks left out", color=INK, fontsize=8.5)
+        axis.legend(fontsize=7.5, frameon=False, loc="lower right")
+
+    return draw((SIZE[0], 0.9 + 0.24 * max(len(names), 3)), "explained", paint)
 
 
 def draw_correlations(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.diagnosis.levels import LEVEL, MATTERS
+from hjcamp.diagnosis.levels import DELTA
 from hjcamp.diagnosis.results.shares import left_of
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.report.wording.units import plain, told, told_estimate, told_interval, told_like
@@ -57,11 +57,8 @@ def constant_words(rows: Mapping[str, Mapping[str, Any]], before: float) -> list
     return said
 
 
-def over_time_words(row: Mapping[str, Any], repeated: bool, p_value: float) -> list[str]:
-    """Say what a non-parametric term over time may be where no test was repeated, and what to do where conditions differ in it.
-
-    A law over time may be claimed where residuals circularly shifted promise as much (``p_value``): then that is said.
-    """
+def over_time_words(row: Mapping[str, Any], repeated: bool) -> list[str]:
+    """Say what a non-parametric term over time may be where no test was repeated, and what to do where conditions differ in it."""
     if row["driver"] != "time":
         return []
     memory = (
@@ -72,11 +69,7 @@ def over_time_words(row: Mapping[str, Any], repeated: bool, p_value: float) -> l
         "What comes from outside, as a room or a wind, can be measured and given: an Input(..., field=NAME) of the plant's file, in "
         "its equations."
     )
-    drifts = (
-        f"Circularly shifted residuals give as large a statistic (p = {plain(p_value, 2)}), as drift does: the evidence is that it "
-        "explains most of the error of held-out blocks."
-    )
-    return [drifts] * (p_value > LEVEL) + [each] * (row["apart_s"] > 0.0) + [memory] * (not repeated)
+    return [each] * (row["apart_s"] > 0.0) + [memory] * (not repeated)
 
 
 def no_memory_words(
@@ -90,7 +83,7 @@ def no_memory_words(
 
     said = []
     for one in candidates:
-        if left_of(one) > 1.0 - MATTERS or one["t"] < one["t_needed"]:
+        if left_of(one) > 1.0 - DELTA or one["t"] < one["t_needed"]:
             continue
         for name, bounds in times_remembered(library[one["effect"]]).items():
             if end := memory_end(one["parameters"][name]["ci95"], bounds, shortest):
@@ -108,7 +101,7 @@ def seldom(candidates: Sequence[Mapping[str, Any]], window_s: float) -> list[str
 
     What acts later than a window is long hardly shows in it; a lag has done 95 % after three of its times.
     """
-    found = [one for one in candidates if left_of(one) <= 1.0 - MATTERS and 0.0 < one["t"] < one["t_needed"]]
+    found = [one for one in candidates if left_of(one) <= 1.0 - DELTA and 0.0 < one["t"] < one["t_needed"]]
     said = []
     for one in sorted(found, key=left_of)[:1]:
         times = [row["value"] for row in one["parameters"].values() if row["unit"] == "s"]

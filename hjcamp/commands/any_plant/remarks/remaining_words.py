@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.diagnosis.levels import LEVEL, MOST_OF_IT
+from hjcamp.diagnosis.levels import MOST_OF_IT
 from hjcamp.report.wording.units import plain, told
 
 if TYPE_CHECKING:
@@ -82,25 +82,6 @@ def still_errs(name: str, row: Mapping[str, Any]) -> str:
     over = "own noise (third differences)" if row["value"] is None else "noise floor"
     times = f"{plain(row['high'] / least(row), 2)} times its {over}"
     return f"{channel_label(name)} still errs by {told(row['high'], row['unit'])}, {times}"
-
-
-def false_claims(shares: Mapping[str, float]) -> list[str]:
-    """Say how often as much is promised where nothing is, of logs without repetitions."""
-    kinds = {
-        "twins": "residuals drawn at random",
-        "shifted": "circularly shifted residuals",
-        "decoys": "circularly shifted effects",
-    }
-    said = [f"{100.0 * shares[name]:.0f} % of {kind}" for name, kind in kinds.items() if name in shares]
-    rests = ", so it is not evidence on its own" if max(shares.values(), default=0.0) > LEVEL else ""
-    return (
-        [
-            f"No test was repeated. The screening statistic is as large in {', '.join(said)}{rests}; "
-            "the answer rests on held-out blocks."
-        ]
-        if said
-        else []
-    )
 
 
 def least(row: Mapping[str, Any]) -> float:

@@ -1,22 +1,21 @@
-"""An analysis with all residual kinds: balances with the predictions over windows, and the base fitted to both."""
+"""All residual kinds of an analysis: balances with the predictions over windows, and the base fitted to both."""
 
 from __future__ import annotations
 
-import copy
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.diagnosis.calibration.analysis import Analysis
-from hjcamp.diagnosis.data.repeatability import Repeatability, repeatability_of
+from hjcamp.diagnosis.data.repeatability import repeatability_of
 from hjcamp.diagnosis.estimation.gauss_newton import fit
 from hjcamp.diagnosis.residuals.balances import Balances
 from hjcamp.diagnosis.residuals.windows import Windows
-from hjcamp.diagnosis.selection.forward import Search
 from hjcamp.diagnosis.selection.scored import Scored
+from hjcamp.diagnosis.selection.search import Search
+from hjcamp.diagnosis.validation.channels import Channels
 from hjcamp.model.declare.candidate import Candidate
 
 Array = NDArray[np.float64]
@@ -33,37 +32,23 @@ class Alone:
         return self.balances.features(candidate)
 
 
-@dataclass(frozen=True)
-class Judged:
-    """What is judged by: a search over windows with balances, its base, what cannot be explained, and the channels of the features.
+def with_balances(search: Search, base: Scored) -> tuple[Scored, Channels]:
+    """Return the base fitted to every residual kind that the measured states allow, and the channels of its features.
 
-    ``channels`` are the features of each sensor, then of each balance.
+    The windows of the ``search`` have the balances from here on.
     """
-
-    search: Search
-    base: Scored
-    repeatability: Repeatability
-    channels: tuple[slice, ...]
-
-
-def judged(analysis: Analysis) -> Judged:
-    """Return an analysis with every residual kind that its measured states allow."""
-    search, base, windows = analysis.search, analysis.base, analysis.windows
+    windows = search.windows
     layout = windows.layout
-    widths = [layout.basis.shape[1]] * len(layout.measured.sensors)
     windows.place = base.place
     candidate = base.fitted.candidate
     plain = candidate.without(windows.forms)
-    balances = Balances.of(layout, windows.kernels, plain, windows.predicted(candidate), search.blocks)
-    channels = _slices(widths + [one.features for one in (balances.balanced if balances else ())])
-    if balances is None:
-        return Judged(search, base, repeatability_of(layout, base.fitted.features, channels), channels)
-    own = copy.copy(search)
-    own.windows, own.steps = replace(windows, balances=balances), []
-    own.windows.place = base.place
-    found = _base(own, base, balances)
-    own.windows.place = found.place
-    return Judged(own, found, repeatability_of(layout, found.fitted.features, channels), channels)
+    windows.balances = Balances.of(layout, windows.kernels, plain, windows.predicted(candidate), search.blocks)
+    balanced = windows.balances.balanced if windows.balances else ()
+    found = _base(search, base, windows.balances) if windows.balances else base
+    windows.place = found.place
+    columns = _slices([layout.basis.shape[1]] * len(layout.measured.sensors) + [one.features for one in balanced])
+    names = (*(one.field for one in layout.measured.sensors), *(one.name for one in balanced))
+    return found, Channels(names, columns, repeatability_of(layout, found.fitted.features, columns))
 
 
 def _slices(widths: Sequence[int]) -> tuple[slice, ...]:

@@ -1,0 +1,202 @@
+"""The models of one analysis that may be what is missing: best subsets of linear responses, fitted once each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.candidates.equivalence import equivalent_laws
+from hjcamp.diagnosis.choice.subsets import Blocks, Column, Ranked, best_settings, kept_by_blocks, pairs_of
+from hjcamp.diagnosis.estimation.likelihood import size
+from hjcamp.diagnosis.screening.screening import Probe, Projection
+from hjcamp.diagnosis.selection.scored import Scored
+from hjcamp.diagnosis.validation.kernel_regression import regression_of
+from hjcamp.model.declare.candidate import Candidate
+
+Array = NDArray[np.float64]
+# Budgets: settings of a candidate that enter pairs, and sets that each block keeps of each kind.
+SETTINGS, FEW = 2, 2
+# Non-parametric terms and names of which every pair is looked at.
+FUNCTIONS, NAMES = 3, 5
+# What follows from the motion by no law at all, as a model's name.
+MOTION = "anything_over_the_motion"
+
+
+@dataclass(frozen=True)
+class Model:
+    """A fitted model with the blocks (positions) without which it was chosen: those that it may predict."""
+
+    scored: Scored
+    blocks: frozenset[int]
+
+
+class Models:
+    """The models of one analysis, fitted once each."""
+
+    def __init__(self, analysis: Analysis) -> None:
+        self.analysis = analysis
+        self.search, self.base = analysis.search, analysis.base
+        self.blocks = self.search.blocks
+        self.names = np.unique(self.blocks)
+        self.library, self.terms = self.search.library, self.search.unknowns
+
+    @cached_property
+    def all(self) -> tuple[Model, ...]:
+        """Every model that competes with the base."""
+        fitted = self._fits(self._chosen)
+        every = frozenset(range(len(self.names)))
+        return (*fitted, *(Model(one, every) for one in self._lawless([one.scored for one in fitted])))
+
+    @property
+    def named(self) -> list[Scored]:
+        """The fits of one name by itself, what leaves least first."""
+        return self._of_one(self.library)
+
+    @property
+    def non_parametric(self) -> list[Scored]:
+        """The fits of one non-parametric term by itself, what leaves least first."""
+        return self._of_one(self.terms)
+
+    def _of_one(self, among: object) -> list[Scored]:
+        own = [one.scored for one in self.all if len(one.scored.beyond(self.base)) == 1]
+        return sorted((one for one in own if one.beyond(self.base)[0] in among), key=lambda one: one.left_out)  # type: ignore[operator]
+
+    # -- candidates, by their linear responses
+
+    @cached_property
+    def _projection(self) -> Projection:
+        """The residuals of the base, white."""
+        return Projection(self.base.fitted)
+
+    @cached_property
+    def _probes(self) -> list[Probe]:
+        """The responses of every candidate relative to the base, at each setting of its shapes."""
+        search, fitted = self.search, self.base.fitted
+        search.windows.place = self.base.place
+        search.windows.kernels.hold(fitted.candidate.effects)
+        names = [one for one in (*self.library, *self.terms) if search.may_be_added(one, fitted.candidate.effects)]
+        search.windows.kernels.prepare(names)
+        search.probed_model(fitted)
+        found = search.each(
+            lambda name: search.probes(fitted, name), names, lambda name: f"responses of {name.replace('_', ' ')}"
+        )
+        return [probe for one in found for probe in one]
+
+    @cached_property
+    def _columns(self) -> list[Column]:
+        """The responses as white columns, with what is known of their amplitudes."""
+        white = self._projection.whitener
+        found = []
+        for k, probe in enumerate(self._probes):
+            free = self.terms.get(probe.effect)
+            known = float(probe.sizes[0] / free.usual) ** 2 if free else 0.0
+            responses = np.einsum("wfk,fg->wgk", probe.responses, white).reshape(-1, probe.responses.shape[2])
+            found.append(Column(probe.effect, k, responses, known, probe.one_sided))
+        return found
+
+    @cached_property
+    def _chosen(self) -> dict[frozenset[str], frozenset[int]]:
+        """The sets of candidates to fit, with the blocks without which each was chosen."""
+        columns, fitted, search = self._columns, self.base.fitted, self.search
+        free = [k for k, one in enumerate(fitted.free) if not one.bounded(fitted.candidate)]
+        white = self._projection.whitener
+        slopes = np.einsum("wfp,fg->wgp", fitted.slopes[:, :, free], white).reshape(-1, len(free))
+        residuals, d = (fitted.features @ white).ravel(), fitted.features.shape[1]
+        prior = np.diag([fitted.free[k].slope ** 2 for k in free]) if free else np.zeros((0, 0))
+        rows = np.searchsorted(self.names, np.repeat(self.blocks, d))
+        named = [k for k, one in enumerate(columns) if one.name in self.library]
+        terms = [k for k, one in enumerate(columns) if one.name in self.terms]
+        moments = Blocks(residuals, slopes, prior, columns, rows)
+        singles, functions = moments.ranked([(k,) for k in named]), moments.ranked([(k,) for k in terms])
+        best = best_settings(singles, columns, SETTINGS)
+        pairs = moments.ranked(pairs_of(best, columns, lambda a, b: search.may_be_added(b, [*self.base.names, a])))
+        first = _first(best_settings(best, columns, 1), NAMES)
+        both = moments.ranked([(a.columns[0], b.columns[0]) for a in _first(functions, FUNCTIONS) for b in first])
+        kept = kept_by_blocks((singles, pairs, functions, both), len(self.names), FEW)
+        found: dict[frozenset[str], set[int]] = {}
+        for places, blocks in kept.items():
+            found.setdefault(frozenset(columns[one].name for one in places), set()).update(blocks)
+        every = set(range(len(self.names)))
+        for name in [*self._forms_of({name for names in found for name in names}), *self._asked()]:
+            found.setdefault(frozenset([name]), set()).update(every)
+        for name in sorted({name for names in found for name in names}):
+            found.setdefault(frozenset([name]), set())
+        return {names: frozenset(blocks) for names, blocks in found.items()}
+
+    def _forms_of(self, names: set[str]) -> list[str]:
+        """Return the named effects of which a term among these is another form, whatever the linear responses say of their signs."""
+        terms = [self.terms[name] for name in names if name in self.terms]
+        able = (name for name in self.library if self.search.may_be_added(name, self.base.names))
+        return [name for name in able if any(equivalent_laws(one, self.library[name]) for one in terms)]
+
+    def _asked(self) -> list[str]:
+        """Return the effects that are fitted whatever they promise: those asked for, and a lag where the base has a delay."""
+        search, candidate = self.search, self.base.fitted.candidate
+        able = [name for name in self.library if search.may_be_added(name, self.base.names)]
+        return [name for name in able if name in search.wanted or search.late_base(name, candidate)]
+
+    # -- fits
+
+    def _fits(self, chosen: dict[frozenset[str], frozenset[int]]) -> list[Model]:
+        """Return a fit of every set of candidates, whatever its settings; none that remembers for no time that is shown."""
+        search = self.search
+        names = [next(iter(one)) for one in chosen if len(one) == 1]
+        ones = search.each(self._with_one, names, lambda name: f"fitting {name.replace('_', ' ')}")
+        single = {name: one for name, one in zip(names, ones, strict=True) if one is not None}
+        sets = [sorted(one) for one in chosen if len(one) > 1 and one <= single.keys()]
+        more = search.each(
+            lambda own: self._with_several([single[name] for name in own]), sets, lambda own: f"fitting {' with '.join(own)}"
+        )
+        found = [(frozenset([name]), one) for name, one in single.items()] + list(zip(map(frozenset, sets), more, strict=True))
+        return [
+            Model(one, chosen[own])
+            for own, one in found
+            if np.isfinite(one.left_out) and not search.of_no_memory(one, self.base)
+        ]
+
+    def _with_one(self, name: str) -> Scored | None:
+        """Return the base with one candidate, from starts of its own."""
+        search = self.search.at(self.base.place)
+        effect = self.terms[name].effect if name in self.terms else self.library[name]
+        promises = [self._projection.promise(one, effect) for one in self._probes if one.effect == name]
+        if not promises:
+            return None
+        if name in self.terms:
+            begun = search.begun_unknown(self.base.fitted, promises[0])
+        else:
+            begun = search.begun(self._projection, name, promises)
+        return search.fitted(begun.candidate, begun) if np.isfinite(begun.loss) else None
+
+    def _with_several(self, single: Sequence[Scored]) -> Scored:
+        """Return the base with several candidates together, from the fits of each by itself, the best first."""
+        first, *rest = sorted(single, key=lambda one: one.left_out)
+        begun: Candidate = first.fitted.candidate
+        for one in rest:
+            for name in one.beyond(self.base):
+                begun = begun.with_effect(name, one.fitted.candidate.effects[name])
+        return self.search.at(first.place).fitted(begun)
+
+    def _lawless(self, models: Sequence[Scored]) -> list[Scored]:
+        """Return the base and the best model of names, each with a regression on the motion of what it leaves of blocks left out.
+
+        What they say of a block rests on the others. A model that leaves more than they do is not all that is missing.
+        """
+        named = [one for one in models if not any(name in self.terms for name in one.names)]
+        found, layout = [], self.analysis.windows.layout
+        for one in (self.base, *sorted(named, key=lambda one: one.left_out)[:1]):
+            regression = regression_of(layout, one.features, self.blocks, layout.readings)
+            features = one.features.copy()
+            features[regression.rows] = regression.features
+            fitted = replace(one.fitted, features=features)
+            found.append(replace(one, names=(*one.names, MOTION), fitted=fitted, features=features, left_out=size(features)))
+        return found
+
+
+def _first(ranked: Sequence[Ranked], most: int) -> list[Ranked]:
+    """Return those that score most in all blocks together."""
+    return sorted(ranked, key=lambda one: -one.scores.sum())[:most]
