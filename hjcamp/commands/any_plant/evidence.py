@@ -34,8 +34,8 @@ def evidence_pictures(words: Words) -> dict[str, str]:
     found: dict[str, str] = {}
     if words.shows_a_law:
         found |= {f"missing_{name}": svg for name, svg in draw_missing(missing_of(words)).items()}
-    if words.swing:
-        found["swing"] = draw_worst_test(*_swing(words.swing), observed="calibrated")
+    if verdict.swing:
+        found["swing"] = draw_worst_test(*_swing(verdict.swing), observed="calibrated")
     models = {"calibrated": analysis.base}
     if verdict.effects:
         models["with what was found"] = verdict.model

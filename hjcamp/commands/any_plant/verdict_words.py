@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.untold import untold
@@ -35,7 +34,6 @@ from hjcamp.report.wording.units import plain, told_estimate, told_interval
 
 if TYPE_CHECKING:
     from hjcamp.diagnosis.calibration.analysis import Analysis
-    from hjcamp.diagnosis.decision.periodic_disturbance import Swing
     from hjcamp.diagnosis.decision.verdict import Verdict
 
 SHOWN = 6
@@ -87,13 +85,6 @@ class Words:
             f"(p = {plain(gate.p_value, 2)}, {gate.blocks:.1f} independent blocks; level {plain(self.verdict.alpha, 2)}, "
             f"smallest share that matters {100.0 * self.verdict.delta:.0f} %)"
         )
-
-    @cached_property
-    def swing(self) -> Swing | None:
-        """What oscillates by itself, where the answer remarks it."""
-        from hjcamp.diagnosis.decision.periodic_disturbance import swing_of
-
-        return swing_of(self.analysis) if self.content["swings"] else None
 
     @property
     def fitted_with(self) -> Mapping[str, Any]:

@@ -33,8 +33,8 @@ class Differs:
     parameters: dict[str, dict[str, Interval]]
 
 
-def differs_by_condition(analysis: Analysis, least: float) -> Differs | None:
-    """Return what a base for each condition explains of the predictions where that is most of what is removable (error ``least``).
+def differs_by_condition(analysis: Analysis, least: float, level: float) -> Differs | None:
+    """Return what a base for each condition explains where that is most of what is removable (error ``least``), at a level.
 
     None where there is one condition, where a condition has less than two blocks, and where no parameter differs.
     """
@@ -59,7 +59,7 @@ def differs_by_condition(analysis: Analysis, least: float) -> Differs | None:
         found[name] = {one.name: one for one in intervals(fitted, blocks[own]) if not one.effect}
     each = Scored(base.names, replace(base.fitted, features=shown), features, size(features), base.place)
     takes = math.log(size(before.features) / each.left_out) >= MOST_OF_IT * math.log(size(before.features) / least)
-    if not takes or not analysis.search.beats(each, before):
+    if not takes or not analysis.search.beats(each, before, level):
         return None
     names = [one.name for one in base.fitted.free if not one.effect and not one.name.startswith(ZERO)]
     apart = {name: _apart([one[name] for one in found.values()]) for name in names}

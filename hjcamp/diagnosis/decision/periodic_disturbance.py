@@ -36,10 +36,10 @@ class Swing:
     line: Array
 
 
-def swing_of(analysis: Analysis) -> Swing | None:
+def swing_of(analysis: Analysis, level: float) -> Swing | None:
     """Return the line that takes most of what the calibrated base errs by over whole tests; None where none matters.
 
-    A line differs from the smooth spectrum around it at the level of all claims, over all frequencies, sensors and tests; its
+    A line differs from the smooth spectrum around it at a level, over all frequencies, sensors and tests; its
     rms is more than the sensor's noise, as all that is left has to be, and takes a tenth of the rms at least. Its phase differs from
     test to test, its frequency does not. What is given has no line there, nor at a frequency of which it is a multiple.
     A plant that may ring, with more than one state, has to forget within the bandwidth of a line: 1/e in n / (8 pi) samples.
@@ -61,7 +61,7 @@ def swing_of(analysis: Analysis) -> Swing | None:
             chance = np.minimum(chance * len(frequency) * len(tests) * len(measured.sensors), 1.0)
             for given in inputs[rows].T if np.any(chance <= LEVEL) else ():
                 chance = np.where(own_to(frequency, given, LEVEL), chance, 1.0)
-            if not len(chance) or chance.min() > LEVEL:
+            if not len(chance) or chance.min() > level:
                 continue
             at = refined(errors[rows, k], float(frequency[np.argmin(chance)]))
             lines = np.concatenate([sine_in(errors[one, k], at) for one in tests])

@@ -18,19 +18,22 @@ from hjcamp.diagnosis.calibration.sufficiency import what_lacks
 from hjcamp.diagnosis.choice.comparison_of_models import confidence_set, nested_choice, not_worse
 from hjcamp.diagnosis.choice.models import MOTION, Models
 from hjcamp.diagnosis.decision.by_condition import Differs, differs_by_condition
+from hjcamp.diagnosis.decision.periodic_disturbance import Swing, swing_of
 from hjcamp.diagnosis.levels import ALPHA, DELTA
-from hjcamp.diagnosis.results.shares import held_out
+from hjcamp.diagnosis.results.shares import held_out, squares_of
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.diagnosis.validation.blocks import advantages, chance_of_t, discrimination, ratio_t
 from hjcamp.errors import plain
 
 Array = NDArray[np.float64]
+# Looks at what no law explains share a tenth of the level each; an error so many times repeatability (rms) is not nothing.
+FURTHER, FAR = 10.0, 2.0
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
 
 
 @dataclass(frozen=True)
 class Gate:
-    """Whether something is missing: p of the nested choice, the share that it explains with its upper bound, and the blocks it rests on."""
+    """Whether something is missing: p of the nested choice, the share that it explains, its upper bound, and the effective blocks."""
 
     p_value: float
     gain: float
@@ -42,10 +45,11 @@ class Gate:
 class Verdict:
     """The verdict with the models behind it.
 
-    ``effects`` are what to add, or all that is in one of the sets that are not ruled out; ``model`` has the first set. ``confidence_set``
-    are these sets, beside which something ``outside`` the library is not ruled out either. ``term`` is the non-parametric term that
-    explains most where no name suffices; ``law_left`` the share of what the best model explains that the names leave; ``follows``
-    the share that follows from the motion where no law does. ``lacking`` says why these tests cannot tell.
+    ``effects`` are what to add, or all that is in one of the sets that are not ruled out (``confidence_set``), of which ``model`` has
+    the first; something ``outside`` the library may not be ruled out beside them. ``named`` and ``terms`` are the fits of one candidate.
+    ``term`` is the non-parametric term that explains most where no name suffices; ``law_left`` the share of what the best model
+    explains that the names leave; ``follows`` the share that follows from the motion where no law does; ``swing`` what oscillates by
+    itself, ``differs`` a base for each condition. ``lacking`` says why these tests cannot tell.
     """
 
     word: str
@@ -62,6 +66,7 @@ class Verdict:
     follows: float = 0.0
     lacking: tuple[str, ...] = ()
     differs: Differs | None = None
+    swing: Swing | None = None
     alpha: float = ALPHA
     delta: float = DELTA
 
@@ -217,19 +222,40 @@ class Decision:
 def decided(analysis: Analysis, alpha: float = ALPHA, delta: float = DELTA) -> Verdict:
     """Return what may be said of an analysis.
 
-    Nothing is said of a base that a bound keeps away from what is declared. Where no law explains the error, a base of its own for
-    each condition may: then that is what is missing.
+    Nothing is said of a base that a bound keeps away from what is declared. What no law explains is looked at once more.
     """
     found = Decision(Models(analysis), alpha, delta).verdict()
     if held := _held(analysis, found.shown):
         return replace(found, word=CANNOT_TELL, effects=(), model=analysis.base, term=None, lacking=(*found.lacking, held))
-    if found.word not in (CANNOT_TELL, OUTSIDE) or found.term or not found.named:
-        return found
+    return found if found.effects or found.term or not found.named else _without_law(analysis, found)
+
+
+def _without_law(analysis: Analysis, found: Verdict) -> Verdict:
+    """Return the verdict where no law explains what is missing: something outside swings, or conditions have parameters of their own.
+
+    Both are looked for at a tenth of the level. An error of more than twice repeatability (rms) is not nothing: of repeated tests it is
+    something outside; without repetitions nobody can tell it from scatter.
+    """
+    outside = replace(found, word=OUTSIDE, confidence_set=(), outside=True, law_left=1.0, lacking=())
+    if swing := swing_of(analysis, found.alpha / FURTHER):
+        return replace(outside, swing=swing)
     least = min(held_out(analysis, one) for one in (*found.named, *found.terms, analysis.base))
-    differs = differs_by_condition(analysis, least)
-    if differs is None:
+    if differs := differs_by_condition(analysis, least, found.alpha / FURTHER):
+        return replace(outside, differs=differs)
+    over = np.sqrt(
+        squares_of(analysis, analysis.base.features)
+        / np.maximum(analysis.channels.repeatability.squares[: len(analysis.measured.sensors)], 1.0)
+    )
+    worst = int(np.argmax(over))
+    if found.word != NOTHING or over[worst] <= FAR:
         return found
-    return replace(found, word=OUTSIDE, confidence_set=(), outside=True, law_left=1.0, lacking=(), differs=differs)
+    if analysis.noise_floor.source == "repetitions":
+        return outside
+    said = (
+        f"{analysis.measured.sensors[worst].quantity.replace('_', ' ')} errs by {plain(over[worst], 2)} times its own noise, and nothing "
+        "that was tried explains it: without repetitions it cannot be told from scatter; repeat a test"
+    )
+    return replace(found, word=CANNOT_TELL, lacking=(said,))
 
 
 def _held(analysis: Analysis, model: Scored) -> str:

@@ -12,7 +12,7 @@ from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.decision.by_condition import Differs
 from hjcamp.diagnosis.decision.given_constants import Constant, constants_otherwise
 from hjcamp.diagnosis.decision.leading_regressors import leading
-from hjcamp.diagnosis.decision.periodic_disturbance import Swing, swing_of
+from hjcamp.diagnosis.decision.periodic_disturbance import Swing
 from hjcamp.diagnosis.decision.verdict import Verdict
 from hjcamp.diagnosis.results.calibration_rows import calibration
 from hjcamp.diagnosis.results.candidate_rows import candidates, drivers_of, unknown_rows
@@ -38,13 +38,12 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
     """Return the answer as plain values; what it remarks changes no word of the verdict."""
     model, base = verdict.model, analysis.base
     least, unknowns = noise_floor_size(analysis), unknown_rows(analysis, verdict)
-    swing = None if verdict.effects else swing_of(analysis)
     return {
         "schema": SCHEMA,
         "plant": analysis.measured.plant.name,
         "verdict": verdict.word,
         "effects": list(verdict.effects),
-        "drivers": drivers_of(unknowns),
+        "drivers": drivers_of(unknowns) or (["time"] if verdict.swing else []),
         "outside": verdict.outside,
         "decision": decision_row(verdict),
         "p_value": float(verdict.gate.p_value),
@@ -61,7 +60,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "law_left": float(np.clip(verdict.law_left, 0.0, 1.0)),
         "unknowns": unknowns,
         "formulas": formula_rows(analysis, verdict),
-        "swings": swing_row(swing) if swing else {},
+        "swings": swing_row(verdict.swing) if verdict.swing else {},
         "by_condition": by_condition_row(analysis, verdict.differs) if verdict.differs else {},
         "constants": {one.interval.name: constant_row(analysis, one) for one in _constants(analysis, verdict)},
         "follows_motion": {"share": verdict.follows, "quantities": _leading(analysis, verdict)},
