@@ -8,7 +8,7 @@ from typing import Any
 
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.tests import measured_tests
-from hjcamp.diagnosis.decision.verdict import agreed
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.results.answer import answer
 from hjcamp.effects import load_effects
 from hjcamp.records.log import TestLog
@@ -73,4 +73,5 @@ def diagnosed(plant: str, log: TestLog, names: Iterable[str]) -> dict[str, Any]:
     measured = measured_tests([log])
     library = load_effects(plant=measured.plant)
     chosen = {name: library[name] for name in names}
-    return answer(*agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width)), 0.0)
+    analysis = calibrated(measured, chosen)
+    return answer(analysis, decided(analysis), 0.0)

@@ -13,7 +13,7 @@ from carriage import COULOMB, GAIN, MASS, PERIOD, VISCOUS
 from hjcamp.diagnosis.calibration import contact_compliance as contact_form
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
-from hjcamp.diagnosis.decision.verdict import judged
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.results.calibration_rows import calibration
 from hjcamp.effects import load_effects
 from hjcamp.records.log import TestLog
@@ -69,7 +69,7 @@ def analysed(measured: Measured) -> Analysis:
 @pytest.mark.study
 def test_the_form_of_a_contact_is_the_bases_where_it_is_small(measured: Measured) -> None:
     analysis = analysed(measured)
-    found = judged(analysis)
+    found = decided(analysis)
     assert analysis.base.names == ("presliding",) and found.word == "nothing_missing" and found.effects == ()
     own = analysis.base.fitted.candidate
     # Dahl's law has another curve: its slope at full slip is a third of ours
@@ -91,7 +91,7 @@ def test_a_contact_that_creeps_is_no_discrepancy_either(axis: Path) -> None:
     measured = measured_tests([creeping_log(1e-3)])
     library = load_effects(plant=measured.plant)
     analysis = calibrated(measured, {name: library[name] for name in ("contact_creep", "presliding", "spring")})
-    found = judged(analysis)
+    found = decided(analysis)
     assert analysis.base.names == ("contact_creep",) and found.word == "nothing_missing"
     own = analysis.base.fitted.candidate
     # a tanh has 95 % of its friction at 1.83 of its speed, and is nearly of sharpness 2
@@ -105,5 +105,5 @@ def test_what_is_larger_than_granted_is_an_effect(measured: Measured, monkeypatc
     monkeypatch.setattr(contact_form, "GRANTED", 2e-5)
     analysis = analysed(measured)
     assert analysis.base.names == () and analysis.search.begins["presliding"]["compliance"] > 1e-7
-    named = judged(analysis)
+    named = decided(analysis)
     assert (named.word, named.effects) == ("effect", ("presliding",))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hjcamp.diagnosis.estimation.gauss_newton import SETTLED
-from hjcamp.diagnosis.selection.claims import Claims
+from hjcamp.diagnosis.selection.search import Search
 from hjcamp.diagnosis.validation.blocks import critical
 
 
@@ -21,9 +21,9 @@ def test_a_model_that_is_better_by_less_than_fits_leave_rules_nothing_out(more: 
         for one in (features, features * (1.0 + more))
     )
     claims: Any = SimpleNamespace(blocks=np.repeat(np.arange(16), 6))
-    claims.t = lambda one, two: Claims.t(claims, one, two)
+    claims.t = lambda one, two: Search.t(claims, one, two)
     t, count = claims.t(model, other)
     assert t > critical(count)
-    assert Claims.beats(claims, model, other) == beaten  # type: ignore[arg-type]
+    assert Search.beats(claims, model, other) == beaten  # type: ignore[arg-type]
     # in all as a share of 768 coefficients
     assert (96 * 8 * more > SETTLED) == beaten

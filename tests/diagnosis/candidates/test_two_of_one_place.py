@@ -10,9 +10,7 @@ from scipy.integrate import solve_ivp
 
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
-from hjcamp.diagnosis.decision.verdict import judged
-from hjcamp.diagnosis.levels import LEVEL
-from hjcamp.diagnosis.selection.scored import Scored
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.effects import load_effects
 from hjcamp.records.log import TestLog
 
@@ -71,45 +69,11 @@ def looked_for(measured: Measured, *names: str) -> Analysis:
     return calibrated(measured, {name: library[name] for name in names})
 
 
-def test_a_law_that_was_found_first_is_exchanged_beside_the_others(box: Measured) -> None:
-    analysis = looked_for(box, "soft_stop", "cubic_spring", "constant_force")
-    search, library = analysis.search, analysis.search.library
-    candidate = analysis.base.fitted.candidate
-    for name in ("constant_force", "soft_stop"):
-        candidate = candidate.with_effect(name, library[name].defaults())
-    wrong = search.fitted(candidate)
-    found = search.exchanged(wrong, analysis.base)
-    assert set(found.names) - set(analysis.base.names) == {"constant_force", "cubic_spring"}
-    assert found.left_out < 0.5 * wrong.left_out
-    assert found.fitted.candidate.effects["cubic_spring"]["stiffness"] == pytest.approx(HARDENING, rel=0.02)
-
-
-def test_what_takes_little_of_the_rms_alone_is_found_beside_another(box: Measured, monkeypatch: pytest.MonkeyPatch) -> None:
-    analysis = looked_for(box, "cubic_spring", "constant_force")
-    search, base = analysis.search, analysis.base
-    step = search.look(base)
-    assert step.named[0].beyond(base) == ("cubic_spring",)
-    force = next(one for one in step.named if one.beyond(base) == ("constant_force",))
-    assert search.beside_another(step.named[0], base, step) is None  # the best is no other one
-    matters = search.matters
-
-    def not_alone(model: Scored, before: Scored, level: float = LEVEL) -> bool:
-        return model.beyond(base) != ("cubic_spring",) and matters(model, before, level)
-
-    monkeypatch.setattr(search, "matters", not_alone)
-    both = search.beside_another(force, base, step)
-    assert both is not None and set(both.beyond(base)) == {"cubic_spring", "constant_force"}
-    # where nothing matters beside it, nothing is found, and no look is told
-    told = len(search.steps)
-    monkeypatch.setattr(search, "matters", lambda model, before, level=LEVEL: False)
-    assert search.beside_another(force, base, step) is None and len(search.steps) == told
-
-
 @pytest.mark.study
 @pytest.mark.parametrize(
     "names", [("cubic_spring", "spring", "constant_force"), ("soft_stop", "cubic_spring", "constant_force")]
 )
 def test_what_hardens_is_named_beside_what_moves_its_middle(box: Measured, names: tuple[str, ...]) -> None:
-    found = judged(looked_for(box, *names))
+    found = decided(looked_for(box, *names))
     assert found.word in ("effect", "one_of") and "cubic_spring" in found.confidence_set[0]
     assert found.model.fitted.candidate.effects["cubic_spring"]["stiffness"] == pytest.approx(HARDENING, rel=0.02)

@@ -6,7 +6,6 @@ import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
@@ -17,7 +16,7 @@ from hjcamp.analyses.data import Data
 from hjcamp.analyses.diagnosing import Asked, made_from
 from hjcamp.cli import app
 from hjcamp.diagnosis.calibration.analysis import Analysis
-from hjcamp.diagnosis.decision.verdict import ONE_OF, Verdict, judged
+from hjcamp.diagnosis.decision.verdict import ONE_OF, Verdict, decided
 from hjcamp.errors import UsageError
 
 SAMPLES = Path(__file__).parents[3] / "docs" / "own_plant"
@@ -114,12 +113,12 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
 
 @pytest.mark.study
 def test_a_group_has_its_page_though_the_model_has_one_of_it(stage: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def group(analysis: Analysis, at: Any) -> tuple[Analysis, Verdict]:
-        found = judged(analysis)
+    def group(analysis: Analysis, alpha: float, delta: float) -> Verdict:
+        found = decided(analysis, alpha, delta)
         sets = (found.effects, ("constant_force",))
-        return analysis, replace(found, word=ONE_OF, effects=("spring", "constant_force"), confidence_set=sets)
+        return replace(found, word=ONE_OF, effects=("spring", "constant_force"), confidence_set=sets)
 
-    monkeypatch.setattr("hjcamp.diagnosis.decision.verdict.agreed", group)
+    monkeypatch.setattr("hjcamp.diagnosis.decision.verdict.decided", group)
     done = run(app, ["diagnose", "logs/train.mcap", "--only", ONLY, "--json", "a.json"])
     assert done.exit_code == 0, done.exception
     answer = json.loads((stage / "a.json").read_text(encoding="utf-8"))

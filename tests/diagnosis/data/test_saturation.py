@@ -15,7 +15,7 @@ from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.saturation import ends_of, within
 from hjcamp.diagnosis.data.tests import measured_tests
-from hjcamp.diagnosis.decision.verdict import agreed
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.design.truth import bench_of
 from hjcamp.diagnosis.design.wanted import Wanted
 from hjcamp.diagnosis.estimation.intervals import intervals
@@ -86,7 +86,8 @@ def asked(tanks: Path, *, end: float, brim: float = np.inf, seed: int = 1) -> tu
     measured = measured_tests([measured_log(end, brim, seed)])
     library = load_effects(plant=measured.plant)
     chosen = {name: library[name] for name in LIBRARY}
-    found = agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width))
+    analysis = calibrated(measured, chosen)
+    found = analysis, decided(analysis)
     content = json.loads(json.dumps(answer(*found, 0.0), allow_nan=False))
     check_answer(content)
     return content, " ".join(Words(*found, content).sentences())

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from asked import asked
 from flywheel import GAIN, INERTIA, PERIOD, PLANT, VISCOUS
 
-from hjcamp.analyses.data import silent
 from hjcamp.commands.any_plant.next_commands import next_commands
 from hjcamp.commands.any_plant.remarks.outside_words import by_condition_words
 from hjcamp.commands.any_plant.verdict_words import Words
-from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
+from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
-from hjcamp.diagnosis.decision.verdict import Verdict, agreed
+from hjcamp.diagnosis.decision.verdict import Verdict
 from hjcamp.diagnosis.results.answer import answer
 from hjcamp.records.log import TestLog
 
@@ -45,8 +44,7 @@ def motor(loaded: float, repetitions: int = 2) -> Measured:
 
 
 def looked_at(measured: Measured) -> tuple[Analysis, Verdict]:
-    at = partial(calibrated, measured, {}, None, silent, 1)
-    return agreed(at(), lambda width: at(width=width))
+    return asked(measured)
 
 
 def test_an_inertia_that_differs_in_one_condition_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

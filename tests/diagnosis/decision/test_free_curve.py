@@ -12,7 +12,7 @@ from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.data.tests import measured_tests
 from hjcamp.diagnosis.decision.free_curve import curve_of, knots_of
-from hjcamp.diagnosis.decision.verdict import OUTSIDE, judged
+from hjcamp.diagnosis.decision.verdict import OUTSIDE, decided
 from hjcamp.records.log import TestLog
 
 LEVELS = np.array([0.0, 15.0, 55.0, 80.0])
@@ -33,16 +33,16 @@ def test_a_law_over_a_drive_of_few_values_is_told_at_these(tmp_path: Path, monke
         columns = {"time_s": np.arange(float(len(chosen))), "warmth_k": warmth, "power_w": LEVELS[chosen]}
         logs.append(TestLog(columns, {"plant": "slab", "period_s": "1.0", "condition": str(number)}))
     analysis = calibrated(measured_tests(logs), {})
-    verdict = judged(analysis)
-    assert verdict.word == OUTSIDE and verdict.unknown is not None
-    [name] = verdict.unknown.names
+    verdict = decided(analysis)
+    assert verdict.word == OUTSIDE and verdict.term is not None
+    [name] = verdict.term.names
     assert analysis.search.unknowns[name].driver == "demand"
-    found = knots_of(analysis, verdict.unknown, name)
+    found = knots_of(analysis, verdict.term, name)
     assert found["x"] == pytest.approx(LEVELS, abs=1e-6)
     # the loss takes its share of what the law says: their difference is told
-    loss = verdict.unknown.fitted.candidate.base["loss"]
+    loss = verdict.term.fitted.candidate.base["loss"]
     assert (LEVELS + found["y"]) / loss == pytest.approx(HEAT / 2.0, abs=1.0)
-    curve = curve_of(analysis, verdict.unknown, name)
+    curve = curve_of(analysis, verdict.term, name)
     assert curve["y"] == pytest.approx(np.interp(curve["x"], found["x"], found["y"]))
 
 

@@ -12,7 +12,7 @@ from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
-from hjcamp.diagnosis.decision.verdict import judged
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.results.answer import answer
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
@@ -63,7 +63,7 @@ def test_what_repeats_with_each_turn_is_outside_and_its_curve_is_of_one_turn() -
     measured = shaft(8e-3)
     library = load_effects(plant=measured.plant)
     analysis = calibrated(measured, {name: library[name] for name in ("pendulum_weight", "sensor_gain", "sensor_lag")})
-    verdict = judged(analysis)
+    verdict = decided(analysis)
     found = answer(analysis, verdict, 0.0)
     row = found["unknowns"][0]
     assert (found["verdict"], row["quantity"], row["driver"]) == ("outside_library", "force", "speed_position")

@@ -13,7 +13,7 @@ from hjcamp.commands.any_plant.law_words import described_term
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.data.tests import measured_tests
-from hjcamp.diagnosis.decision.verdict import judged
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.results.candidate_rows import unknown_rows
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
@@ -26,10 +26,10 @@ def test_a_motor_that_is_weaker_off_its_middle_is_outside_and_its_gain_is_drawn(
     library = load_effects(plant=measured.plant)
     wanted = ("spring", "saturation", "sensor_gain", "quadratic_drag")
     analysis = calibrated(measured, {name: library[name] for name in wanted})
-    found = judged(analysis)
-    assert found.word == "outside_library" and found.effects == () and found.unknown is not None
-    assert [name for name in found.unknown.names if name in analysis.search.unknowns] == ["unknown_gain_of_force_over_position"]
-    assert found.shown is found.unknown
+    found = decided(analysis)
+    assert found.word == "outside_library" and found.effects == () and found.term is not None
+    assert [name for name in found.term.names if name in analysis.search.unknowns] == ["unknown_gain_of_force_over_position"]
+    assert found.shown is found.term
     row = unknown_rows(analysis, found)[0]
     assert (row["driver"], row["quantity"], row["port"], row["slots"]) == ("position", "gain", "force", ["force"])
     knots = {"x": np.array(row["knots"]["x"]), "y": np.array(row["knots"]["y"])}

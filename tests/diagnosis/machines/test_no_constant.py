@@ -9,19 +9,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from asked import asked
 from scipy.integrate import solve_ivp
 
 from hjcamp.commands.any_plant.law_words import described_term
 from hjcamp.commands.shared.effect_from import begun_from
-from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
+from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.candidates.nonparametric_terms import values_of
 from hjcamp.diagnosis.data.tests import measured_tests
 from hjcamp.diagnosis.decision.free_curve import knots_of
-from hjcamp.diagnosis.decision.verdict import Verdict, agreed
+from hjcamp.diagnosis.decision.verdict import Verdict
 from hjcamp.diagnosis.design.rivals import question_of
 from hjcamp.diagnosis.estimation.gauss_newton import Free
 from hjcamp.diagnosis.results.answer import answer
-from hjcamp.diagnosis.selection.forward import Search
+from hjcamp.diagnosis.selection.search import Search
 from hjcamp.effects import load_effects
 from hjcamp.effects._curve_template import curve_template
 from hjcamp.errors import UsageError
@@ -95,15 +96,12 @@ def measured_log(seed: int, count: int, constant: bool = False) -> TestLog:
     return TestLog(columns, {"plant": "kettle", "period_s": "2.0", "condition": f"train {seed}"})
 
 
-def judged(log: TestLog) -> tuple[Analysis, Verdict]:
-    def at(width: int | None = None) -> Analysis:
-        return calibrated(measured_tests([log]), {}, width=width)
-
-    return agreed(at(), lambda width: at(width))
+def looked_at(log: TestLog) -> tuple[Analysis, Verdict]:
+    return asked(measured_tests([log]))
 
 
 def test_a_flow_that_warmth_makes_faster_is_outside_with_its_driver_and_its_curve(kettle: Path) -> None:
-    analysis, verdict = judged(measured_log(1, 1500))
+    analysis, verdict = looked_at(measured_log(1, 1500))
     assert (verdict.word, verdict.effects) == ("outside_library", ())
     content = answer(analysis, verdict, 1.0)
     json.dumps(content)
@@ -136,7 +134,7 @@ def test_a_flow_that_warmth_makes_faster_is_outside_with_its_driver_and_its_curv
 
 
 def test_where_the_flow_is_constant_nothing_is_missing(kettle: Path) -> None:
-    analysis, verdict = judged(measured_log(2, 900, constant=True))
+    analysis, verdict = looked_at(measured_log(2, 900, constant=True))
     assert verdict.word == "nothing_missing"
     # what leaves no more than noise is not looked at for parameters that are no constants
     assert not any(name.startswith("unknown_value") for name in analysis.search.unknowns)

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from asked import asked
 from flywheel import GAIN, INERTIA, PERIOD, PLANT, VISCOUS
 
-from hjcamp.analyses.data import silent
 from hjcamp.commands.any_plant.next_commands import next_commands
 from hjcamp.commands.any_plant.verdict_words import Words
 from hjcamp.commands.shared.effect_from import begun_from
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.candidates.nonparametric_terms import courses_of_each
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
-from hjcamp.diagnosis.decision.verdict import Verdict, agreed
+from hjcamp.diagnosis.decision.verdict import Verdict
 from hjcamp.diagnosis.results.answer import answer
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
@@ -46,8 +45,7 @@ def motor(winds: dict[str, np.ndarray], repetitions: int = 1) -> Measured:
 
 
 def looked_at(measured: Measured) -> tuple[Analysis, Verdict]:
-    at = partial(calibrated, measured, {}, None, silent, 1)
-    return agreed(at(), lambda width: at(width=width))
+    return asked(measured)
 
 
 @pytest.mark.parametrize("repetitions", [1, 2])

@@ -10,7 +10,7 @@ import pytest
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
-from hjcamp.diagnosis.decision.verdict import judged
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.effects import load_effects
 from hjcamp.records.log import TestLog
 
@@ -103,7 +103,7 @@ def test_play_in_a_shaft_is_named_with_its_width(geared: Measured) -> None:
     # the shaft tells where the load is: nothing has to be remembered
     assert not backlash.states and set(backlash.terms["gear"].arguments) == {"gear", "gear_input", "load_angle", "play"}
     names = ("backlash", "dead_band", "dry_friction", "sensor_gain_at_load_encoder", "stribeck_excess")
-    found = judged(calibrated(geared, {name: library[name] for name in names if name in library}, unknowns=False))
+    found = decided(calibrated(geared, {name: library[name] for name in names if name in library}, unknowns=False))
     assert (found.word, found.effects) == ("effect", ("backlash",))
     model = found.model.fitted.candidate
     assert model.effects["backlash"]["play"] == pytest.approx(PLAY, rel=0.03)

@@ -15,13 +15,11 @@ from hjcamp.diagnosis.candidates.equivalence import equivalent_laws, memory_end,
 from hjcamp.diagnosis.candidates.nonparametric_laws import AT, ENDS, KNOT, gain_over
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.data.tests import measured_tests
-from hjcamp.diagnosis.decision.doubts import doubt_of_nothing
-from hjcamp.diagnosis.decision.verdict import judged
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.estimation.intervals import Interval
-from hjcamp.diagnosis.levels import LEVEL
 from hjcamp.diagnosis.results.calibration_rows import calibration
-from hjcamp.diagnosis.selection import claims
-from hjcamp.diagnosis.selection.claims import Claims
+from hjcamp.diagnosis.selection import search as searching
+from hjcamp.diagnosis.selection.search import Search
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.declare.candidate import Candidate
@@ -86,7 +84,7 @@ def test_what_remembers_is_told_from_what_does_not(plate: Path, hidden: str) -> 
     measured = measured_tests([measured_log(1, hidden), measured_log(2, hidden)])
     library = load_effects(plant=measured.plant)
     analysis = calibrated(measured, {name: library[name] for name in ("leakage", "overflow", "second_store", "sensor_lag")})
-    found = judged(analysis)
+    found = decided(analysis)
     if hidden == "second":
         own = found.model.fitted.candidate.effects["second_store"]
         assert (found.word, found.effects) == ("effect", ("second_store",))
@@ -122,9 +120,9 @@ def test_a_memory_that_stands_at_its_end_is_not_shown(
     name = {"second_store": "delay", "sensor_lag": "lag"}[effect]
     assert library[effect].parameters[name].bounds == {"second_store": (5.0, 5e4), "sensor_lag": (0.5, 1e3)}[effect]
     monkeypatch.setattr(
-        claims, "intervals", lambda fitted, blocks: [Interval(effect, name, 0.5 * (low + high), low, high, False)]
+        searching, "intervals", lambda fitted, blocks: [Interval(effect, name, 0.5 * (low + high), low, high, False)]
     )
-    search = Claims.__new__(Claims)
+    search = Search.__new__(Search)
     search.library, search.blocks = library, np.zeros(3, dtype=int)
     # six coefficients of 24 samples of 5 s: what is forgotten within 20 s follows the moment
     layout: Any = SimpleNamespace(width=24, basis=np.zeros((24, 6)), measured=SimpleNamespace(period=PERIOD))
@@ -175,17 +173,3 @@ def test_a_memory_that_is_not_shown_is_said_to_be_none(plate: Path, ends: tuple[
     assert [said in one and "would take 40 %, but its delay is at the" in one for one in found] == ([True] if said else [])
     assert len(no_memory_words([row], library, shortest=ends[0])) == 1
     assert no_memory_words([row | {"t": 2.0}], library) == []
-
-
-@pytest.mark.parametrize(("p_value", "takes", "doubted"), [(0.01, True, True), (0.01, False, False), (0.2, True, False)])
-def test_what_takes_a_share_without_being_shown_to_remember_is_not_nothing(p_value: float, takes: bool, doubted: bool) -> None:
-    model: Any = SimpleNamespace(beyond=lambda before: ("second_store",))
-    step = SimpleNamespace(before=None, named=(model,), p_value=p_value, claims=LEVEL, level=LEVEL)
-    search = SimpleNamespace(
-        steps=[step],
-        takes_a_share=lambda one, before, level: takes,
-        of_no_memory=lambda one, before: True,
-        error_ratio=lambda one, before: 0.77,
-    )
-    analysis: Any = SimpleNamespace(held=(), search=search, noise_floor=SimpleNamespace(source="repetitions"))
-    assert doubt_of_nothing(analysis, p_value).startswith("second_store explains 23 % of the error") == doubted

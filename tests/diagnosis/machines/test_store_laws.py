@@ -12,7 +12,7 @@ from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.candidates.nonparametric_laws import ENDS, KNOT, gain_over
 from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.data.tests import measured_tests
-from hjcamp.diagnosis.decision.verdict import judged
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.results.answer import answer
 from hjcamp.diagnosis.results.candidate_rows import unknown_rows
 from hjcamp.diagnosis.screening.screening import free_of_effect
@@ -80,7 +80,7 @@ def test_a_bowl_that_widens_is_outside_and_its_capacity_is_drawn(bowl: Path) -> 
     measured = measured_tests([measured_log(1), measured_log(2)])
     library = load_effects(plant=measured.plant)
     analysis = calibrated(measured, {name: library[name] for name in ("leakage", "flow_exponent", "sensor_gain")})
-    found = judged(analysis)
+    found = decided(analysis)
     row = unknown_rows(analysis, found)[0]
     assert (found.word, found.effects) == ("outside_library", ())
     assert (row["quantity"], row["port"], row["driver"], row["slots"]) == (
@@ -110,7 +110,7 @@ def test_what_a_store_gets_or_loses_in_the_course_of_a_test_is_outside(bowl: Pat
     measured = measured_tests([measured_log(1, rain=0.01), measured_log(2, rain=0.01)])
     library = load_effects(plant=measured.plant)
     analysis = calibrated(measured, {name: library[name] for name in ("leakage", "flow_exponent", "sensor_gain")})
-    found = judged(analysis)
+    found = decided(analysis)
     row = unknown_rows(analysis, found)[0]
     assert (found.word, found.effects) == ("outside_library", ())
     assert (row["quantity"], row["port"], row["driver"]) == ("loss", "level", "time")

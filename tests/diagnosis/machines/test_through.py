@@ -4,24 +4,20 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import gauge
 import numpy as np
 import pytest
+from asked import asked
 
 from hjcamp import cli
 from hjcamp.diagnosis.calibration import analysis
-from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
+from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
-from hjcamp.diagnosis.decision.verdict import Verdict, agreed, judged
 from hjcamp.diagnosis.residuals.continuity import Through
 from hjcamp.diagnosis.results.answer import answer
-from hjcamp.diagnosis.selection.forward import Search
-from hjcamp.diagnosis.selection.scored import Follows
 from hjcamp.diagnosis.validation.blocks import blocks_of
-from hjcamp.effects import load_effects
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.records.write import write_log
 
@@ -77,11 +73,9 @@ def test_readings_of_a_test_that_is_simulated_through_leap_nowhere(tanks: Path) 
 @pytest.mark.study
 def test_a_spill_in_few_places_of_a_short_log_is_named(tanks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     measured = logged(800, brim=7.0)
-    library = load_effects(plant=measured.plant)
-    chosen = {name: library[name] for name in NAMES}
 
     def said() -> tuple[str, list[str]]:
-        found = answer(*agreed(calibrated(measured, chosen), lambda width: calibrated(measured, chosen, width=width)), 0.0)
+        found = answer(*asked(measured, NAMES), 0.0)
         return found["verdict"], found["effects"]
 
     # the other one limits the same tank at the same brim
@@ -89,25 +83,6 @@ def test_a_spill_in_few_places_of_a_short_log_is_named(tanks: Path, monkeypatch:
     assert word in ("effect", "one_of") and names[0] == "spill_over"
     monkeypatch.setattr(analysis, "simulated_through", lambda windows, base, free: windows)
     assert said() == ("cannot_tell", [])
-
-
-@pytest.mark.study
-def test_what_few_blocks_do_not_show_is_looked_for_in_windows(tanks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # simulated through there are nine blocks, too few for two things at once
-    measured = measured_tests([gauge.measured_log(brim=7.0, seed=9, samples=800, power=0.4)])
-    library = load_effects(plant=measured.plant)
-    names = ("spill_over", "flow_exponent_at_outflow", "overflow_at_lower", "sensor_offset")
-    at = partial(calibrated, measured, {name: library[name] for name in names})
-    said = []
-
-    def heard(one: Analysis) -> Verdict:
-        said.append((one.windows.layout.memory > 0, judged(one)))
-        return said[-1][1]
-
-    monkeypatch.setattr("hjcamp.diagnosis.decision.verdict.judged", heard)
-    found, verdict = agreed(at(), lambda width: at(width=width))
-    assert [(through, one.word) for through, one in said] == [(True, "outside_library"), (False, "effect")]
-    assert not found.windows.layout.memory and set(verdict.effects) == {"spill_over", "flow_exponent_at_outflow"}
 
 
 def test_one_set_of_logs_is_looked_at_in_one_way_whatever_is_asked(tanks: Path) -> None:
@@ -133,18 +108,3 @@ def test_next_plans_with_tests_that_are_simulated_through(tanks: Path, capsys: p
     assert cli.run(["compare", "logs"]) == 0
     assert "each test simulated through" in capsys.readouterr().out
     assert "Predictions begin with each test, where each fits best" in Path("compare/index.html").read_text()
-
-
-@pytest.mark.study
-def test_what_takes_most_in_too_few_blocks_is_said(
-    tanks: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(Search, "matters", lambda *of, **told: False)
-    monkeypatch.setattr(Search, "follows_motion", lambda *of: Follows(0.0, 0.0))
-    Path("logs").mkdir()
-    write_log(Path("logs/a.mcap"), gauge.measured_log(brim=5.0, seed=2, samples=400))
-    assert cli.run(["diagnose", "logs", "--only", "spill_over,sensor_gain"]) == 0, capsys.readouterr().err
-    said = " ".join(capsys.readouterr().out.split())
-    assert "is shown to explain it (spill_over would leave" in said and "of it, but not block by block: t =" in said
-    assert cli.run(["add", "spill_over", "logs", "--as", "with_spill"]) == 0
-    assert "The error falls, but not block by block" in " ".join(capsys.readouterr().out.split())

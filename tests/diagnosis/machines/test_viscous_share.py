@@ -9,7 +9,7 @@ from carriage import VISCOUS, measured_log
 
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.tests import measured_tests
-from hjcamp.diagnosis.decision.verdict import judged
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.effects import load_effects
 
 PLACE, HALF_WIDTH, SHARE = 0.03, 0.015, 0.6
@@ -25,7 +25,7 @@ def test_a_stiff_place_of_viscous_friction_is_friction_that_depends_on_the_place
     library = load_effects(plant=measured.plant)
     wanted = {name: library[name] for name in ("position_friction", "friction_drift", "quadratic_drag", "coulomb_asymmetry")}
     analysis = calibrated(measured, wanted, unknowns=False)
-    found = judged(analysis)
+    found = decided(analysis)
     assert found.word == "effect" and found.effects == ("position_friction",)
     values = found.model.fitted.candidate.effects["position_friction"]
     assert values["viscous_amplitude"] == pytest.approx(SHARE, abs=0.2) and values["amplitude"] < 0.2

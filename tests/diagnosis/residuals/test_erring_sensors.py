@@ -10,7 +10,7 @@ import pytest
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.calibration.prediction_windows import power_of
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
-from hjcamp.diagnosis.decision.verdict import judged
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.residuals.initial_states import erring_sensors
 from hjcamp.diagnosis.residuals.windows import Windows
 from hjcamp.effects import load_effects
@@ -78,7 +78,7 @@ def test_the_offset_of_a_sensor_is_named_where_the_ball_falls_by_itself(measured
     library = load_effects(plant=measured.plant)
     chosen = {name: library[name] for name in ("constant_force", "cubic_spring", "sensor_gain", "sensor_offset", "spring")}
     analysis = calibrated(measured, chosen)
-    found = judged(analysis)
+    found = decided(analysis)
     assert found.effects == ("sensor_offset",)
     own = found.model.fitted.candidate
     assert own.effects["sensor_offset"]["offset"] == pytest.approx(OFFSET, rel=0.05)

@@ -11,7 +11,7 @@ from scipy.signal import cont2discrete
 
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
-from hjcamp.diagnosis.decision.verdict import judged
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.estimation.likelihood import loss
 from hjcamp.diagnosis.residuals.continuity import Memory, Passage
 from hjcamp.effects import load_effects
@@ -137,7 +137,7 @@ def test_a_fit_of_a_late_sensor_ends_where_its_lag_is_however_far_it_begins(bloc
         assert one.fitted.candidate.base["capacity"] == pytest.approx(CAPACITY, rel=0.01)
         assert np.sqrt(np.mean(one.fitted.features**2)) < 1.1  # noise
     # a lag of the drive says the same, and neither is named alone
-    found = judged(analysis)
+    found = decided(analysis)
     assert (found.word, set(found.effects)) == ("one_of", {"sensor_lag", "command_delay"})
 
 
@@ -145,7 +145,7 @@ def test_a_fit_of_a_late_sensor_ends_where_its_lag_is_however_far_it_begins(bloc
 def test_the_lag_of_a_sensor_and_that_of_its_drive_are_one_on_a_linear_plant(mount: Measured) -> None:
     library = load_effects(plant=mount.plant)
     analysis = calibrated(mount, {name: library[name] for name in ("sensor_lag", "command_delay", "sensor_gain", "spring")})
-    found = judged(analysis)
+    found = decided(analysis)
     assert (found.word, set(found.effects)) == ("one_of", {"sensor_lag", "command_delay"})
 
 

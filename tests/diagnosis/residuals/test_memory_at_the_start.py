@@ -11,7 +11,7 @@ from flywheel import GAIN, INERTIA, LAG, NOISE, PERIOD, VISCOUS, behind_a_lag
 
 from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.tests import Measured
-from hjcamp.diagnosis.decision.verdict import judged
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.estimation.intervals import intervals
 from hjcamp.diagnosis.residuals.free_run import whole_error
 from hjcamp.effects import load_effects
@@ -29,9 +29,9 @@ def test_a_drive_that_has_not_caught_up_leaves_no_more_than_noise(motor: Measure
     library = load_effects(plant=motor.plant)
     analysis = calibrated(motor, {name: library[name] for name in ("command_delay", "sensor_lag", "dead_band")})
     # a lag of the reading says the same of a linear machine, and with a start as free
-    assert set(judged(analysis).effects) == {"command_delay", "sensor_lag"} and judged(analysis).word == "one_of"
+    assert set(decided(analysis).effects) == {"command_delay", "sensor_lag"} and decided(analysis).word == "one_of"
     analysis = calibrated(motor, {name: library[name] for name in ("command_delay", "dead_band")})
-    found = judged(analysis)
+    found = decided(analysis)
     assert found.effects == ("command_delay",) and found.word == "effect"
     model = found.model
     [delay] = [one for one in intervals(model.fitted, analysis.search.blocks) if one.name == "delay"]

@@ -12,7 +12,7 @@ from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.calibration.sufficiency import what_lacks
 from hjcamp.diagnosis.data.repeatability import MOTION_ORDERS, moves
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
-from hjcamp.diagnosis.decision.verdict import judged
+from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.validation.kernel_regression import regression_of
 from hjcamp.records.log import TestLog
 
@@ -41,7 +41,7 @@ def test_of_a_motor_that_only_makes_noise_nothing_can_be_told(
     analysis = calibrated(turning(2.0, 0.0, seed), {})
     layout = analysis.windows.layout
     assert not moves(layout).any()
-    found = judged(analysis)
+    found = decided(analysis)
     assert found.word == "cannot_tell" and found.lacking == (
         "nothing that is measured changes in these tests by more than its noise",
     )
@@ -55,4 +55,4 @@ def test_a_slow_swing_far_above_the_noise_is_motion(tmp_path: Path, monkeypatch:
     analysis = calibrated(turning(2.0, 0.5), {})
     layout = analysis.windows.layout
     assert moves(layout)[0] and moves(layout)[MOTION_ORDERS:].all() and not what_lacks(analysis.measured, layout)
-    assert judged(analysis).word == "nothing_missing"
+    assert decided(analysis).word == "nothing_missing"
