@@ -193,12 +193,16 @@ class Words:
 
     def _other_shape(self) -> list[str]:
         """Say what the named effects leave that could be explained."""
-        verdict = self.verdict
+        verdict, first = self.verdict, self._first_law
         if verdict.word not in ("effect", "one_of") or verdict.law_left <= 0.05:
             return []
+        left = f"{100.0 * min(verdict.law_left, 1.0):.0f} %"
+        if first is None:
+            return [f"The law leaves {left} of what the best model explains: the true law may have a different shape."]
         return [
-            f"The law leaves {100.0 * min(verdict.law_left, 1.0):.0f} % of what the best model explains: the true law may have a "
-            "different shape."
+            f"{with_article(described_term(first), begins=True)}, as a non-parametric term, explains {left} more: the true law has a "
+            "different shape, or something else is missing as well. Its curve is on the page.",
+            *formula_words(self.content["formulas"], described_term(first), self.driver_words),
         ]
 
     def _error(self) -> list[str]:

@@ -46,7 +46,7 @@ class Verdict:
     """The verdict with the models behind it.
 
     ``effects`` are what to add, or all that is in one of the sets that are not ruled out (``confidence_set``), of which ``model`` has
-    the first; something ``outside`` the library may not be ruled out beside them. ``named`` and ``terms`` are the fits of one candidate.
+    the first; something ``outside`` the library may not be ruled out beside them. ``named`` and ``terms`` are fits of one candidate.
     ``term`` is the non-parametric term that explains most where no name suffices; ``law_left`` the share of what the best model
     explains that the names leave; ``follows`` the share that follows from the motion where no law does; ``swing`` what oscillates by
     itself, ``differs`` a base for each condition. ``lacking`` says why these tests cannot tell.
@@ -104,7 +104,7 @@ class Decision:
         found = Verdict(NOTHING, gate, self.base, *fits, alpha=self.alpha, delta=self.delta)
         if gate.p_value > self.alpha or gate.gain < self.delta:
             return found if gate.upper < self.delta else replace(found, word=CANNOT_TELL, lacking=(self._too_little(gate),))
-        return self.said(found, self.set_of(self.parsimonious([one.scored for one in self.models.all])))
+        return self.said(found, self.parsimonious([one.scored for one in self.models.all]))
 
     # -- is something missing?
 
@@ -177,18 +177,20 @@ class Decision:
             return 5
         return int(any(name in self.terms for name in names)) + (2 if len(names) > 1 else 0)
 
-    def said(self, found: Verdict, left: Sequence[Scored]) -> Verdict:
-        """Return the verdict by the simplest models that err as little as the best, of those that are not ruled out."""
+    def said(self, found: Verdict, models: Sequence[Scored]) -> Verdict:
+        """Return the verdict by the simplest models whose errors are within delta of the least: what differs by less does not matter.
+
+        Of those the confidence set has the last word. Where a law without a name is the simplest, names not ruled out are said.
+        """
         outside = replace(found, word=OUTSIDE, confidence_set=(), outside=True, law_left=1.0)
-        within = [left[k] for k in self._as_good(left)]
-        if not within:  # none is left, or each errs least in another channel
+        left, within = self.set_of(models), [models[k] for k in self._as_good(models)]
+        if not within:  # there is none, or each errs least in another channel
             if all(self.level(one) % 2 for one in left):
                 return self._with_terms(outside, left)
             sets = tuple(one.beyond(self.base) for one in left if not self.level(one) % 2)
             return replace(found, word=CANNOT_TELL, confidence_set=sets, lacking=("no model explains every channel best",))
         simplest = min(self.level(one) for one in within)
         answer = self.set_of([one for one in within if self.level(one) == simplest])
-        # a law without a name is the simplest that suffices: names that it does not rule out are still said
         named = [one for one in left if not self.level(one) % 2] if simplest % 2 else answer
         if not named:
             return self._with_terms(outside, answer)
@@ -205,7 +207,12 @@ class Decision:
             outside=bool(simplest % 2),
             law_left=float(np.clip(1.0 - explained[0] / explained[1], 0.0, 1.0)) if explained[1] > 0.0 else 0.0,
         )
-        return self._with_terms(shown, answer) if simplest % 2 else shown
+        return self._with_terms(shown, answer) if simplest % 2 else replace(shown, term=self._other_shape(named[0]))
+
+    def _other_shape(self, model: Scored) -> Scored | None:
+        """Return the non-parametric term that predicts better than a named law: the law has another shape, or more is missing."""
+        term = next(iter(self.models.non_parametric), None)
+        return term if term is not None and self.models.search.beats(term, model) else None
 
     def _as_good(self, left: Sequence[Scored]) -> list[int]:
         """Return which models err by no more than delta above the least in every channel."""
@@ -252,8 +259,8 @@ def _without_law(analysis: Analysis, found: Verdict) -> Verdict:
     if analysis.noise_floor.source == "repetitions":
         return outside
     said = (
-        f"{analysis.measured.sensors[worst].quantity.replace('_', ' ')} errs by {plain(over[worst], 2)} times its own noise, and nothing "
-        "that was tried explains it: without repetitions it cannot be told from scatter; repeat a test"
+        f"{analysis.measured.sensors[worst].quantity.replace('_', ' ')} errs by {plain(over[worst], 2)} times its own noise, and "
+        "nothing that was tried explains it: without repetitions it cannot be told from scatter; repeat a test"
     )
     return replace(found, word=CANNOT_TELL, lacking=(said,))
 
