@@ -200,8 +200,8 @@ class Words:
         if first is None:
             return [f"The law leaves {left} of what the best model explains: the true law may have a different shape."]
         return [
-            f"{with_article(described_term(first), begins=True)}, as a non-parametric term, explains {left} more: the true law has a "
-            "different shape, or something else is missing as well. Its curve is on the page.",
+            f"The law leaves {left} of what {with_article(described_term(first))}, as a non-parametric term, explains: the true law "
+            "has a different shape, or something else is missing as well. Its curve is on the page.",
             *formula_words(self.content["formulas"], described_term(first), self.driver_words),
         ]
 

@@ -13,6 +13,7 @@ from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.candidates.equivalence import equivalent_laws
 from hjcamp.diagnosis.choice.subsets import Blocks, Column, Ranked, best_settings, kept_by_blocks, pairs_of
 from hjcamp.diagnosis.estimation.likelihood import size
+from hjcamp.diagnosis.levels import DELTA
 from hjcamp.diagnosis.screening.screening import Probe, Projection
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.diagnosis.validation.kernel_regression import regression_of
@@ -38,8 +39,8 @@ class Model:
 class Models:
     """The models of one analysis, fitted once each."""
 
-    def __init__(self, analysis: Analysis) -> None:
-        self.analysis = analysis
+    def __init__(self, analysis: Analysis, delta: float = DELTA) -> None:
+        self.analysis, self.delta = analysis, delta
         self.search, self.base = analysis.search, analysis.base
         self.blocks = self.search.blocks
         self.names = np.unique(self.blocks)
@@ -148,7 +149,9 @@ class Models:
         names = [next(iter(one)) for one in chosen if len(one) == 1]
         ones = search.each(self._with_one, names, lambda name: f"fitting {name.replace('_', ' ')}")
         single = {name: one for name, one in zip(names, ones, strict=True) if one is not None}
-        sets = [sorted(one) for one in chosen if len(one) > 1 and one <= single.keys()]
+        # of what one candidate leaves less than delta a second one cannot explain delta
+        whole = {name for name, one in single.items() if self._leaves_little(one)}
+        sets = [sorted(one) for one in chosen if len(one) > 1 and one <= single.keys() and not one & whole]
         more = search.each(
             lambda own: self._with_several([single[name] for name in own]), sets, lambda own: f"fitting {' with '.join(own)}"
         )
@@ -158,6 +161,11 @@ class Models:
             for own, one in found
             if np.isfinite(one.left_out) and not search.of_no_memory(one, self.base)
         ]
+
+    def _leaves_little(self, model: Scored) -> bool:
+        """Whether a model leaves less than delta of the error above repeatability in every channel."""
+        [left] = self.analysis.channels.left([model.features], self.base.features)
+        return bool(np.all(left < self.delta))
 
     def _with_one(self, name: str) -> Scored | None:
         """Return the base with one candidate, from starts of its own."""

@@ -231,7 +231,7 @@ def decided(analysis: Analysis, alpha: float = ALPHA, delta: float = DELTA) -> V
 
     Nothing is said of a base that a bound keeps away from what is declared. What no law explains is looked at once more.
     """
-    found = Decision(Models(analysis), alpha, delta).verdict()
+    found = Decision(Models(analysis, delta), alpha, delta).verdict()
     if held := _held(analysis, found.shown):
         return replace(found, word=CANNOT_TELL, effects=(), model=analysis.base, term=None, lacking=(*found.lacking, held))
     return found if found.effects or found.term or not found.named else _without_law(analysis, found)
