@@ -9,13 +9,13 @@ import numpy as np
 from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.calibration.multistart import BEGUN_APART
 from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled
-from hjcamp.diagnosis.levels import LEVEL
+from hjcamp.diagnosis.levels import DELTA, LEVEL
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.candidate import Candidate
 
 
 def better_base(analysis: Analysis, said: Scored, others: Iterable[Scored]) -> dict[str, float] | None:
-    """Return base parameters that fit better than those of an analysis, by a likelihood ratio at the level of all claims.
+    """Return base parameters that fit better than those of an analysis, by a likelihood ratio and by a share that matters.
 
     They are looked for from where the model of an answer has them (what is ``said``), without its effects, and from where ``others`` of
     the same windows have one that is half as far off at least as the base was begun from. None where nothing fits better.
@@ -24,13 +24,13 @@ def better_base(analysis: Analysis, said: Scored, others: Iterable[Scored]) -> d
 
     base, found = analysis.base.fitted, None
     least = base.loss - 0.5 * float(chdtri(1, LEVEL))
-    names = analysis.measured.plant.base_parameters
+    names, share = analysis.measured.plant.base_parameters, analysis.channels.share
     for one in (said, *others):
         start = Candidate(one.fitted.candidate.base, base.candidate.effects)
         if not one.beyond(analysis.base) or (one is not said and not _elsewhere(start, base.candidate, names)):
             continue
         fitted = settled(analysis.windows.begun_for(start, one.place), start, base.free, turns=TURNS_OF_BASE)
-        if np.isfinite(fitted.loss) and fitted.loss < least:
+        if np.isfinite(fitted.loss) and fitted.loss < least and share(fitted.features, base.features, base.features) >= DELTA:
             least, found = fitted.loss, dict(fitted.candidate.base)
     return found
 
