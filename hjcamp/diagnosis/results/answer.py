@@ -65,6 +65,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "constants": {one.interval.name: constant_row(analysis, one) for one in _constants(analysis, verdict)},
         "follows_motion": {"share": verdict.follows, "quantities": _leading(analysis, verdict)},
         "confidence_set": [list(names) for names in verdict.confidence_set],
+        "false_claims": {},
         "floor": noise_floor_rows(analysis),
         "ends": end_rows(analysis.windows.layout),
         "still": still_rows(analysis.measured),
