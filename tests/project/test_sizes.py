@@ -11,19 +11,17 @@ ROOT = Path(__file__).parents[2]
 MOST_LINES_OF_A_FUNCTION = 60
 MOST_LINES_OF_A_FILE = 350
 MOST_FILES = 20
-GOES = "goes with the joint's own engine, or with the decision by rules"
+GOES = "goes with the joint's own engine"
 #: Functions that are longer, by file and name, and why.
 LONG_FUNCTIONS = {
     ("hjcamp/model/compile/integrator.py", "move"): "one loop that is compiled as a whole: parts would share all its variables",
     ("hjcamp/plants/pump_joint/plant.py", "equations"): "equations of a plant",
     ("hjcamp/plants/valve_joint/plant.py", "equations"): "equations of a plant",
     ("hjcamp/plants/pump_joint/feedforward.py", "command"): "equations of the thesis in their order",
-    ("hjcamp/diagnosis/decision/verdict.py", "judged"): GOES,
-    ("hjcamp/diagnosis/selection/forward.py", "look"): GOES,
     ("hjcamp/plants/pump_joint/answers/compare_page.py", "write_pictures"): GOES,
     ("hjcamp/plants/pump_joint/diagnosis/diagnose.py", "run"): GOES,
 }
-LONG_FILES = {"hjcamp/diagnosis/decision/verdict.py": GOES, "hjcamp/diagnosis/selection/forward.py": GOES}
+LONG_FILES: dict[str, str] = {}
 FULL_FOLDERS = {
     "hjcamp/commands": "one file for each command",
     "hjcamp/effects": "one file for each effect",

@@ -108,11 +108,11 @@ def calibrated(
     Of logs longer than the ``effort`` allows, runs of windows are looked at that are evenly spread over them.
     """
     take_one_thread()
-    plant, known, both = measured.plant, known or Known(), {**library, **(forms or {})}
+    known, both = known or Known(), {**library, **(forms or {})}
     unnamed = frozenset(name for name, effect in both.items() if name not in library or not effect.claimed)
     base, free = _free_base(measured, start.base if start else {})
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
-    kernels = Kernels(plant, both, ahead=workers > 1)
+    kernels = Kernels(measured.plant, both, ahead=workers > 1)
     kernels.prepare(both)
     before = candidate.with_base(known.base)
     windows, begun = predictable(measured, kernels, before, free, width or width_of(measured), effort)
@@ -135,11 +135,6 @@ def calibrated(
         declared=declared,
     )
     fitted = _best_fit(search, begun, known)
-    if not np.isfinite(fitted.loss):
-        raise UsageError(
-            f"plant {plant.name}: the model diverges on these tests with its parameters as declared; "
-            "check their values and the units of the logs"
-        )
     _admit_laws(search, fitted, unknowns)
     scored = with_contact_forms(search, search.scored(fitted), known.shown)
     known.shown |= set(scored.names) & windows.forms
@@ -175,7 +170,7 @@ def _free_base(measured: Measured, start: Mapping[str, float]) -> tuple[dict[str
 def _best_fit(search: Search, begun: Candidate, known: Known) -> Fitted:
     """Return the base fitted from ``begun``, and from further starts where short tests or errors above the noise ask for that.
 
-    The windows of the ``search`` are left with the starts of the best.
+    The windows of the ``search`` are left with the starts of the best. A model that diverges as declared is refused.
     """
     windows, layout = search.windows, search.windows.layout
     before = windows.starts.copy()
@@ -187,7 +182,13 @@ def _best_fit(search: Search, begun: Candidate, known: Known) -> Fitted:
             names = layout.measured.plant.base_parameters
             fitted, known.apart = best_begun(windows, begun, fitted, names), True
         fitted = refitted_from_model_states(windows, fitted)
-    return in_parts(windows, fitted)
+    fitted = in_parts(windows, fitted)
+    if not np.isfinite(fitted.loss):
+        raise UsageError(
+            f"plant {layout.measured.plant.name}: the model diverges on these tests with its parameters as declared; "
+            "check their values and the units of the logs"
+        )
+    return fitted
 
 
 # Places of a state that are kept of where the tests have been.

@@ -260,7 +260,7 @@ def _without_law(analysis: Analysis, found: Verdict) -> Verdict:
         return outside
     said = (
         f"{analysis.measured.sensors[worst].quantity.replace('_', ' ')} errs by {plain(over[worst], 2)} times its own noise, and "
-        "nothing that was tried explains it: without repetitions it cannot be told from scatter; repeat a test"
+        "nothing that was tried explains it: without repetitions it may be scatter; repeat a test"
     )
     return replace(found, word=CANNOT_TELL, lacking=(said,))
 

@@ -12,7 +12,7 @@ from slab import NOISE, PLANT, course
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.decision.periodic_disturbance import swing_of
-from hjcamp.diagnosis.decision.verdict import NOTHING, decided
+from hjcamp.diagnosis.decision.verdict import NOTHING, OUTSIDE, decided
 from hjcamp.diagnosis.residuals.spectral_lines import chances, own_to, refined, sine_in
 from hjcamp.effects import load_effects
 from hjcamp.records.log import TestLog
@@ -97,21 +97,18 @@ def analysed(measured: Measured, width: int | None = None) -> Analysis:
     return calibrated(measured, library, width=width)
 
 
-def test_a_power_that_swings_from_outside_is_remarked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    measured = slab_tests(tmp_path, monkeypatch, 12.0, stepping())
-    analysis = analysed(measured)
-    found = swing_of(analysis)
-    assert found is not None
-    assert found.frequency == pytest.approx(HZ, rel=0.01)
+def test_a_power_that_swings_from_outside_is_outside_the_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    verdict = decided(analysed(slab_tests(tmp_path, monkeypatch, 12.0, stepping())))
+    assert verdict.word == OUTSIDE and verdict.swing is not None
+    assert verdict.swing.frequency == pytest.approx(HZ, rel=0.01)
     amplitude = 12.0 / abs(2.5 + 200.0 * 2j * np.pi * HZ)
-    assert found.rms == pytest.approx(amplitude / np.sqrt(2.0), rel=0.1)
-    assert found.left < 0.5
+    assert verdict.swing.rms == pytest.approx(amplitude / np.sqrt(2.0), rel=0.1)
+    assert verdict.swing.left < 0.5
 
 
 def test_nothing_swings_where_nothing_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    measured = slab_tests(tmp_path, monkeypatch, 0.0, stepping())
-    analysis = analysed(measured)
-    assert decided(analysis).word == NOTHING and swing_of(analysis) is None
+    verdict = decided(analysed(slab_tests(tmp_path, monkeypatch, 0.0, stepping())))
+    assert verdict.word == NOTHING and verdict.swing is None
 
 
 def test_what_swings_as_the_input_does_is_not_from_outside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -119,4 +116,4 @@ def test_what_swings_as_the_input_does_is_not_from_outside(tmp_path: Path, monke
     power = [40.0 + 30.0 * np.sin(2.0 * np.pi * HZ * time + one) for one in (0.0, 1.0)]
     # each third sample holds for three: the input has the same line, and what is missing has it and its multiples
     measured = slab_tests(tmp_path, monkeypatch, 0.0, [one[::3].repeat(3) for one in power], loss_too=5e-3)
-    assert swing_of(analysed(measured)) is None
+    assert swing_of(analysed(measured), LEVEL) is None
