@@ -172,8 +172,10 @@ class Balances:
             rate[:-1] += along.after[:-1, one.state]
             step = np.append(np.diff(x), 0.0)
             if ends is not None:
-                last = np.arange(self.layout.width - 1, len(x), self.layout.width)
-                step[last] = ends[:, one.state] - x[last]
+                # where the next window does not begin by itself it goes on from there
+                apart = np.append(self.layout.begun[1:], True)
+                last = np.arange(self.layout.width - 1, len(x), self.layout.width)[apart]
+                step[last] = ends[apart, one.state] - x[last]
             gained = step - 0.5 * period * rate
             gained[self._last] = 0.0
             parts.append(np.einsum("wt,wtj->wj", gained.reshape(-1, self.layout.width), self._tests[one.name]))
