@@ -205,7 +205,7 @@ def _admit_laws(search: Search, fitted: Fitted, unknowns: bool) -> None:
     search.seen_along = courses | {name: states[some, k] for k, name in enumerate(plant.states)} | {"time": layout.time[some]}
     search.library = {name: about_visited(effect, plant, search.ranges) for name, effect in search.library.items()}
     search.windows.spare(fitted.candidate)
-    search.admit(unknowns_of(plant, search.ranges, courses) if unknowns else {})
+    search.admit(unknowns_of(plant, search.ranges, courses) | search.values() if unknowns else {})
 
 
 def _free(item: object, value: float | None) -> Free:

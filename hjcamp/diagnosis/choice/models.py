@@ -20,7 +20,7 @@ from hjcamp.diagnosis.validation.kernel_regression import regression_of
 from hjcamp.model.declare.candidate import Candidate
 
 Array = NDArray[np.float64]
-# Budgets: settings of a candidate that enter pairs, and sets that each block keeps of each kind.
+# Budgets: settings of a candidate that enter pairs, and single candidates of each kind that each block keeps (of pairs one).
 SETTINGS, FEW = 2, 2
 # Non-parametric terms and names of which every pair is looked at.
 FUNCTIONS, NAMES = 3, 5
@@ -118,7 +118,7 @@ class Models:
         pairs = moments.ranked(pairs_of(best, columns, lambda a, b: search.may_be_added(b, [*self.base.names, a])))
         first = _first(best_settings(best, columns, 1), NAMES)
         both = moments.ranked([(a.columns[0], b.columns[0]) for a in _first(functions, FUNCTIONS) for b in first])
-        kept = kept_by_blocks((singles, pairs, functions, both), len(self.names), FEW)
+        kept = kept_by_blocks(((singles, FEW), (functions, FEW), (pairs, 1), (both, 1)), len(self.names))
         found: dict[frozenset[str], set[int]] = {}
         for places, blocks in kept.items():
             found.setdefault(frozenset(columns[one].name for one in places), set()).update(blocks)

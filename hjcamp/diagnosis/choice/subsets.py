@@ -120,10 +120,10 @@ def pairs_of(
     ]
 
 
-def kept_by_blocks(groups: Sequence[Sequence[Ranked]], blocks: int, few: int) -> dict[tuple[int, ...], set[int]]:
-    """Return the sets that score most in all blocks but one, ``few`` of each group for each block, with the blocks that chose them."""
+def kept_by_blocks(groups: Sequence[tuple[Sequence[Ranked], int]], blocks: int) -> dict[tuple[int, ...], set[int]]:
+    """Return the sets that score most in all blocks but one, with the blocks that chose them: of each group so many for each block."""
     found: dict[tuple[int, ...], set[int]] = {}
-    for group in groups:
+    for group, few in groups:
         for b in range(blocks):
             rest = sorted(group, key=lambda one: -(one.scores.sum() - one.scores[b]))
             for one in rest[:few]:

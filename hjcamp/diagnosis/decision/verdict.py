@@ -254,10 +254,12 @@ def _without_law(analysis: Analysis, found: Verdict) -> Verdict:
         / np.maximum(analysis.channels.repeatability.squares[: len(analysis.measured.sensors)], 1.0)
     )
     worst = int(np.argmax(over))
-    if found.word != NOTHING or over[worst] <= FAR:
+    if over[worst] <= FAR or any(found.confidence_set):
         return found
     if analysis.noise_floor.source == "repetitions":
         return outside
+    if found.word != NOTHING:
+        return found
     said = (
         f"{analysis.measured.sensors[worst].quantity.replace('_', ' ')} errs by {plain(over[worst], 2)} times its own noise, and "
         "nothing that was tried explains it: without repetitions it may be scatter; repeat a test"

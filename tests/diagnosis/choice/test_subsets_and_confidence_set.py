@@ -44,7 +44,7 @@ def test_the_gate_holds_its_level_where_nothing_is_missing() -> None:
         moments, columns = toy(random, {})
         singles = moments.ranked([(k,) for k in range(len(columns))])
         pairs = moments.ranked(pairs_of(best_settings(singles, columns, 1), columns, lambda a, b: True))
-        kept = kept_by_blocks((singles, pairs), BLOCKS, 2)
+        kept = kept_by_blocks(((singles, 2), (pairs, 2)), BLOCKS)
         scores = {one.columns: one.scores for one in (*singles, *pairs)}
         each = np.array([scores[one] for one in kept])
         choice = nested_choice(each, np.array([[b in blocks for b in range(BLOCKS)] for blocks in kept.values()]))
@@ -60,7 +60,7 @@ def test_a_pair_is_found_though_neither_of_it_is_the_best_alone() -> None:
     singles = moments.ranked([(k,) for k in range(len(columns))])
     pairs = moments.ranked(pairs_of(best_settings(singles, columns, 1), columns, lambda a, b: True))
     assert max(pairs, key=lambda one: one.scores.sum()).columns == (3, 11)
-    assert (3, 11) in kept_by_blocks((singles, pairs), BLOCKS, 1)
+    assert (3, 11) in kept_by_blocks(((singles, 1), (pairs, 1)), BLOCKS)
 
 
 def test_a_sign_that_bounds_forbid_is_no_candidate() -> None:
