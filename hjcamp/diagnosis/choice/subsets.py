@@ -65,10 +65,8 @@ class Blocks:
         for one in moments:
             rest = total - one
             change = -np.linalg.lstsq(rest[:p, :p] + prior, rest[:p, p:], rcond=1e-12)[0]
-            moved = np.concatenate([change, np.eye(whole.shape[1] - p)])
-            penalty = change.T @ prior @ change
-            self.others.append(moved.T @ rest @ moved + penalty)
-            self.own.append(moved.T @ one @ moved)
+            self.others.append(_moved(rest, change) + change.T @ prior @ change)
+            self.own.append(_moved(one, change))
 
     def ranked(self, sets: Sequence[tuple[int, ...]]) -> list[Ranked]:
         """Return sets of columns with their scores, in their order; none whose signs bounds forbid by what most blocks ask for."""
@@ -96,6 +94,13 @@ class Blocks:
             after += np.einsum("sk,skl,sl->s", theta, own[rows[:, :, None], rows[:, None, :]], theta)
             scores[:, b] = 0.5 * self.counts[b] * np.log(max(own[0, 0], 1e-300) / np.maximum(after, 1e-300))
         return scores, negative > 0.5 * len(self.own)
+
+
+def _moved(moments: Array, change: Array) -> Array:
+    """Return second moments (p + k, p + k) of columns (k,) of which p others take away as much as ``change`` (p, k) says."""
+    p = len(change)
+    mixed = moments[p:, :p] @ change
+    return np.asarray(moments[p:, p:] + mixed + mixed.T + change.T @ moments[:p, :p] @ change)
 
 
 def best_settings(singles: Sequence[Ranked], columns: Sequence[Column], most: int) -> list[Ranked]:
