@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from hjcamp.diagnosis.calibration.analysis import Analysis
     from hjcamp.diagnosis.data.tests import Measured
     from hjcamp.records.log import TestLog
+    from hjcamp.records.plausible import Finding
 
 #: Of the usual step between samples: steps that scatter by more are those of an uneven clock.
 UNEVEN = 0.02
@@ -111,6 +112,23 @@ def of_log(log: TestLog) -> Iterator[Remark]:
         )
     for one in findings(log):
         yield Remark("columns", f"{log.path}: {one.text}", "it passes for a motion that the model misses")
+
+
+def at_ends(log: TestLog) -> Iterator[Finding]:
+    """Yield the sensors of one log that stay at their end, as `of_tests` says it of all."""
+    from hjcamp.diagnosis.data.saturation import ends_of
+    from hjcamp.records.noise import step_of
+    from hjcamp.records.of_plant import plant_of
+    from hjcamp.records.plausible import Finding, watched_columns
+
+    watched = [one.name for one in watched_columns(plant_of(log.metadata, str(log.path))) if one.name in log.columns]
+    for name in watched:
+        values = log.columns[name]
+        low, high = ends_of([values], step_of(values), len(watched))
+        share = float(np.mean((values <= low) | (values >= high)))
+        if share > AT_END:
+            text = f"'{name}' stays at its end in {share:.0%} of all samples: what happens there is not seen"
+            yield Finding(name, text, False, kind="saturation")
 
 
 def of_set(logs: Sequence[TestLog]) -> Iterator[Remark]:

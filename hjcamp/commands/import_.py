@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
@@ -16,9 +17,10 @@ from hjcamp.storage import check_place
 
 if TYPE_CHECKING:
     from hjcamp.records.elsewhere.import_map import ImportMap
-    from hjcamp.records.elsewhere.importing import Imported
+    from hjcamp.records.elsewhere.importing import Imported, Refused
 
 NEW = "new"
+MOST_WARNINGS = 20
 HELP = """Turn measurements from elsewhere into test logs.
 
 FILE is CSV, MATLAB, NumPy (.npz), Parquet or MCAP (JSON or protobuf messages); with pip install 'hjcamp[files]' also a workbook
@@ -67,16 +69,21 @@ def import_table(
     plant: Annotated[str | None, typer.Option(help="Of --map new: the plant.")] = None,
     into: Annotated[Path | None, typer.Option(help="The folder of the new logs; next to each file by default.")] = None,
     output: Annotated[Path | None, typer.Option(help="The new log of one file; FILE.mcap by default.")] = None,
+    skip: Annotated[
+        bool, typer.Option(help="Leave out files that cannot be read; without it nothing is written then.")
+    ] = False,
     json: AnswerFile = None,
 ) -> None:
     """Turn measurements from elsewhere into test logs."""
     from hjcamp.analyses.data import joined
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
-    from hjcamp.diagnosis.data.tests import FEWEST_SAMPLES
+    from hjcamp.analyses.import_table import FEW, answer_of, table_lines
+    from hjcamp.analyses.readiness import at_ends
+    from hjcamp.campaign.execution.console import make_console
+    from hjcamp.commands.shared.session import check_answer_file, progress_of, write_answer
     from hjcamp.records.elsewhere.import_map import read_import_map
     from hjcamp.records.elsewhere.importing import import_files
-    from hjcamp.records.read import read_log
-    from hjcamp.records.sets.look import lines_of, look_at
+    from hjcamp.records.sets.look import lines_of, look_one_by_one
+    from hjcamp.records.stored import stored_logs
 
     check_answer_file(json)
     files = files_of(files, into)
@@ -89,30 +96,57 @@ def import_table(
     rules = read_import_map(mapping)
     _check_hardware([rules.metadata, *rules.files.values()], (*rules.plant.rig, *rules.plant.setups), mapping)
     left = [target for target in targets if target.with_name(target.name + ".part").exists()]
-    logs = import_files(files, mapping, targets)
-    rows = [
-        {
-            "file": str(file), "log": str(target), "samples": log.samples, "duration_s": log.duration,
-            "fields": list(log.fields), "metadata": log.metadata, "warnings": [one.line for one in log.doubtful],
-        }
-        for file, target, log in zip(files, targets, logs, strict=True)
-    ]  # fmt: skip
-    write_answer(json, {"schema": "hjcamp.import/1", "plant": rules.plant.name, "logs": rows})
-    for target, log in zip(targets, logs, strict=True):
-        for one in log.doubtful:
-            print(f"{target}: {one.line}", file=sys.stderr)
-        print(f"{target}: {counted(log.samples, 'sample')}, {log.duration:.3f} s, fields {' '.join(log.fields)}")
-        if target in left:
-            print(f"  {target.name}.part, left by an import that was cut off, is gone")
-    for line in lines_of(look_at([read_log(target) for target in targets])):
-        print(line, file=sys.stderr)
-    if "diagnose" not in rules.plant.rooms:
-        for target, log in zip(targets, logs, strict=True):
-            if log.samples < FEWEST_SAMPLES:
-                few = counted(log.samples, "sample")
-                print(f"{target}: warning: {few}; an analysis leaves out logs of fewer than {FEWEST_SAMPLES}", file=sys.stderr)
+    refused: list[Refused] = []
+    with progress_of(make_console()) if len(files) > FEW else nullcontext(lambda text, share: None) as report:
+        logs = import_files(files, mapping, targets, refused if len(files) > 1 else None, report, at_ends)
+        if refused and not (skip and logs):
+            drop(logs, refused, table_lines(logs, refused, []) if len(files) > FEW else [])
+        in_set = look_one_by_one(stored_logs([log.path for log in logs]))
+    write_answer(json, answer_of(rules.plant.name, logs, refused, in_set))
+    tell([f"{log.path}: {one.line}" for log in logs for one in log.doubtful])
+    if len(files) <= FEW:
+        for log in logs:
+            print(f"{log.path}: {counted(log.samples, 'sample')}, {log.duration:.3f} s, fields {' '.join(log.fields)}")
+    for target in left:
+        print(f"  {target.name}.part, left by an import that was cut off, is gone")
+    tell([*lines_of(in_set), *too_short(rules, logs)])
     warn_of_map(mapping, rules, logs)
-    print(f"next  hjcamp compare {joined([into] if into and len(targets) > 1 else targets)}")
+    for line in table_lines(logs, refused, in_set) if len(files) > FEW or refused else []:
+        print(line)
+    print(f"next  hjcamp compare {joined([into] if into and len(logs) > 1 else [log.path for log in logs])}")
+
+
+def drop(logs: Sequence[Imported], refused: Sequence[Refused], lines: Sequence[str]) -> NoReturn:
+    """Take back what was written, print the table, and raise UsageError for the files that cannot be read."""
+    for log in logs:
+        log.path.unlink(missing_ok=True)
+    for line in lines:
+        print(line)
+    more = f" (and {counted(len(refused) - 1, 'more file')})" if len(refused) > 1 else ""
+    hint = "; nothing is written; --skip leaves out what cannot be read" if logs else ""
+    raise UsageError(f"{refused[0].text}{more}{hint}")
+
+
+def tell(lines: Sequence[str]) -> None:
+    """Print warnings, the first of many."""
+    for line in lines[:MOST_WARNINGS]:
+        print(line, file=sys.stderr)
+    if len(lines) > MOST_WARNINGS:
+        print(
+            f"and {counted(len(lines) - MOST_WARNINGS, 'more warning')}: the table names them, --json FILE has all",
+            file=sys.stderr,
+        )
+
+
+def too_short(rules: ImportMap, logs: Sequence[Imported]) -> list[str]:
+    """Return a warning for each log that an analysis leaves out as too short."""
+    from hjcamp.diagnosis.data.tests import FEWEST_SAMPLES
+
+    return [
+        f"{log.path}: warning: {counted(log.samples, 'sample')}; an analysis leaves out logs of fewer than {FEWEST_SAMPLES}"
+        for log in logs
+        if "diagnose" not in rules.plant.rooms and log.samples < FEWEST_SAMPLES
+    ]
 
 
 def warn_of_map(mapping: Path, rules: ImportMap, logs: Sequence[Imported]) -> None:

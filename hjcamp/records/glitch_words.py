@@ -33,19 +33,22 @@ def told_no_readings(name: str, values: Array, unit: str) -> str:
     )
 
 
-def told_glitches(name: str, values: Array, times: Array, unit: str, analog: bool, low: float, high: float) -> Iterator[str]:
-    """Say which readings between ``low`` and ``high`` jump out and back, wrap around, or stay as they were."""
+def told_glitches(
+    name: str, values: Array, times: Array, unit: str, analog: bool, low: float, high: float
+) -> Iterator[tuple[str, str]]:
+    """Yield kinds of faults, each with which readings between ``low`` and ``high`` jump out and back, wrap around, or stay."""
     places = spikes(values)
     if len(places) and np.all((values[places] >= low) & (values[places] <= high)):
         text = f"{told_spikes(name, places, values, times, unit)}. Where the sensor or its logger erred, import with"
-        yield f"{text} 'spikes: interpolate' in the map"
+        yield "spikes", f"{text} 'spikes: interpolate' in the map"
     turns = wraps(values)
     if len(turns):
         at = int(turns[0])
         yield (
+            "wraps",
             f"'{name}' jumps {counted(len(turns), 'time')} from one end of its range to the other and goes on, first from "
             f"{values[at - 1]:.4g} to {values[at]:.4g} {unit} at {times[at]:.6g} s, as a counter or an angle that wraps around: import "
-            "with unwrap in the map next to its column, after how much it begins again (65536, 360)"
+            "with unwrap in the map next to its column, after how much it begins again (65536, 360)",
         )
     held = freezes(values) if analog else []
     if held:
@@ -53,12 +56,10 @@ def told_glitches(name: str, values: Array, times: Array, unit: str, analog: boo
         more = f", and {counted(len(held) - 1, 'time')} more" if len(held) > 1 else ""
         goes = ", to the end" if last == len(values) - 1 else ", and jumps on from there"
         until = f"{times[first]:.6g} to {times[last]:.6g} s{goes}"
-        end = (
-            " (its smallest or largest value: the sensor may end there)"
-            if values[first] in (values.min(), values.max())
-            else ""
-        )
+        ends = values[first] in (values.min(), values.max())
+        end = " (its smallest or largest value: the sensor may end there)" if ends else ""
         yield (
+            "saturation" if ends else "stands still",
             f"'{name}' is {values[first]:.4g} {unit} in {last - first + 1} samples, {until}{more}{end}. "
-            "Where the sensor or its logger stood still, make two logs of it, before and after"
+            "Where the sensor or its logger stood still, make two logs of it, before and after",
         )

@@ -38,6 +38,7 @@ DRIVEN, FEWEST = 0.05, 50
 class Finding:
     """One thing in a log that cannot be; with ``refused`` no analysis of it means anything.
 
+    ``kind`` in a word or two: range, unit, spikes, saturation, constant, gaps, clock, copy, ...
     With ``of_all`` it says something where all logs of one set show it alone: one of them may well be of a small test.
     """
 
@@ -45,6 +46,7 @@ class Finding:
     text: str
     refused: bool
     of_all: bool = False
+    kind: str = "range"
 
     @property
     def line(self) -> str:
@@ -78,7 +80,7 @@ def findings(log: TestLog) -> list[Finding]:
     found += _untypical(log, plant, {one.field for one in found})
     found += [] if parted(log.columns) else _geared(log, plant, {one.field for one in found})
     found += _configuration(log.attachments)
-    found += [Finding("phase", fault, True)] if (fault := parted(log.columns)) else []
+    found += [Finding("phase", fault, True, kind="phase")] if (fault := parted(log.columns)) else []
     return sorted(found, key=lambda one: not one.refused)
 
 
@@ -125,15 +127,15 @@ def _of_measured(log: TestLog, table: FieldTable, watched: Watched) -> Iterator[
     if own or absent:
         more = f"; where it stands for no reading: {MISSING} in the map" if absent else ""
         yield from (replace(one, text=one.text + more) for one in own)
-        yield from () if own else (Finding(watched.name, absent, False),)
+        yield from () if own else (Finding(watched.name, absent, False, kind="no reading"),)
         return
     if watched.analog and values is not None and len(values) > 1 and np.ptp(values) == 0.0:
         text = f"'{watched.name}' is {values[0]:g} {unit} in all {len(values)} samples; a sensor has noise"
-        yield Finding(watched.name, f"{text} (not connected, or a number written in its place)", True)
+        yield Finding(watched.name, f"{text} (not connected, or a number written in its place)", True, kind="constant")
     elif values is not None:
         times = log.columns["time_s"]
         told = told_glitches(watched.name, values, times, unit, watched.analog, watched.low, watched.high)
-        yield from (Finding(watched.name, text, False) for text in told)
+        yield from (Finding(watched.name, text, False, kind=kind) for kind, text in told)
 
 
 def _dead_inputs(log: TestLog, plant: type[Plant]) -> Iterator[Finding]:
@@ -153,7 +155,7 @@ def _dead_inputs(log: TestLog, plant: type[Plant]) -> Iterator[Finding]:
         rms, rough = float(np.std(later - line)), float(np.std(np.diff(later - line)))
         if rms > DRIVEN * float(np.ptp(values)) and rough < DRIVEN * MOST_GEARED * rms:
             text = f"'{inputs[0]}' is {log.columns[inputs[0]][0]:g} in all {log.samples} samples although '{one.name}' moves to the end"
-            yield Finding(inputs[0], f"{text} (not connected, another column, or a free motion)", False)
+            yield Finding(inputs[0], f"{text} (not connected, another column, or a free motion)", False, kind="constant")
             return
 
 
@@ -171,7 +173,7 @@ def _outside(name: str, log: TestLog, table: FieldTable, low: float, high: float
         time = log.columns["time_s"][first]
         text = f"'{name}': {number} {some} off, {values[first]:.4g} {unit} at sample {first} (time {time:.6g} s)"
         held += "; looks like a spike of the logger or the sensor ('spikes: interpolate' in the map of an import)"
-        yield Finding(name, f"{text}; {held}", refused)
+        yield Finding(name, f"{text}; {held}", refused, kind="spikes")
         return
     peak = values[np.argmax(np.abs(values))]
     if number <= len(values) // 2 and abs(peak) <= NEARLY * max(abs(low), abs(high)):
@@ -224,7 +226,9 @@ def _untypical(log: TestLog, plant: type[Plant], wrong: set[str]) -> Iterator[Fi
         if fits:
             unit = min(fits, key=lambda one: abs(math.log(fits[one] * times)))
             than = f"{times:.3g} times its typical size in the plant's file"
-            yield Finding(name, wrong_unit(table.field(name), times * typical, than, unit, fits[unit]), False, of_all=True)
+            yield Finding(
+                name, wrong_unit(table.field(name), times * typical, than, unit, fits[unit]), False, of_all=True, kind="unit"
+            )
 
 
 def wrong_unit(field: Field, size: float, than: str, unit: str, factor: float) -> str:
@@ -257,7 +261,7 @@ def _geared(log: TestLog, plant: type[Plant], wrong: set[str]) -> Iterator[Findi
         if driven > MOVES and moved == 0.0:
             if not plant.blocked(_read(log.attachments)):
                 text = f"'{name}' never changes although '{source}' moves (blocked, or its encoder is lost)"
-                yield Finding(name, text, False)
+                yield Finding(name, text, False, kind="constant")
         elif driven > MOVES and moved < LEAST_GEARED * driven and len(np.unique(columns[name])) > 3 + 2 * moved / count:
             yield _slow(table, name, source, moved / driven, "follows")
         elif moved > MOVES and moved > MOST_GEARED * driven:
@@ -271,15 +275,15 @@ def _slow(table: FieldTable, name: str, other: str, share: float, does: str) -> 
     unit = min(fits, key=lambda one: abs(math.log(fits[one] * share)), default=None)
     looks = "another quantity" if unit is None else f"{unit}: {fits[unit]:.4g} times too small"
     if share == 0.0:
-        return Finding(name, f"'{name}' never changes although '{other}', which it {does}, moves", False)
+        return Finding(name, f"'{name}' never changes although '{other}', which it {does}, moves", False, kind="constant")
     text = f"'{name}' moves {share:.2g} of what '{other}', which it {does}, lets expect"
-    return Finding(name, f"{text}; looks like {looks}", False)
+    return Finding(name, f"{text}; looks like {looks}", False, kind="unit")
 
 
 def _configuration(attachments: Mapping[str, bytes]) -> Iterator[Finding]:
     for place in _not_finite(_read(attachments), "", set()):
         text = f"the attached {CONFIGURATION} cannot be what ran: {place} is not a finite number"
-        yield Finding(CONFIGURATION, text, False)
+        yield Finding(CONFIGURATION, text, False, kind="configuration")
 
 
 def _read(attachments: Mapping[str, bytes]) -> Mapping[str, Any]:

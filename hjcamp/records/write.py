@@ -17,14 +17,16 @@ from hjcamp.model.language.field_table import FieldTable
 from hjcamp.records.check import check_names
 from hjcamp.records.log import TOPIC, TestLog
 from hjcamp.records.mcap.container import CHANNEL, Container
-from hjcamp.records.mcap.layout import encode
-from hjcamp.records.mcap.scan import METADATA_NAME
+from hjcamp.records.mcap.layout import encode, record_dtype
+from hjcamp.records.mcap.scan import METADATA_NAME, MOST_RECORDS, MOST_UNCOMPRESSED_BYTES
 from hjcamp.records.mcap.schema import descriptor_set
 from hjcamp.records.of_plant import period_of, table_of
 from hjcamp.storage import disk_errors, new_part, put_in_place
 
 CHUNK_BYTES = 64 * 1024
 BETWEEN_FLUSHES_S = 0.1  # what a power cut may cost
+SPARE_RECORDS = 100_000  # of a file's records: those that are no samples
+INDEX_BYTES = 16  # of a sample in the index of its chunk
 EPOCH_NS = 1_000_000_000_000_000_000  # for a log that does not know when it was made
 MEDIA_TYPES = {".yaml": "application/yaml", ".json": "application/json", ".csv": "text/csv"}
 
@@ -51,6 +53,7 @@ def write_log(path: str | Path, log: TestLog) -> None:
     if any(values.shape != columns[0].shape or values.ndim != 1 for values in columns) or not len(columns[0]):
         shapes = ", ".join(f"{name} {values.shape}" for name, values in zip(names, columns, strict=True))
         raise UsageError(f"{target}: columns must share one shape (samples,) and hold a sample; they are {shapes}")
+    check_samples(len(columns[0]), len(names), str(target))
     for name, values in zip(names, columns, strict=True):
         if not np.isfinite(values).all():
             sample = int(np.argmin(np.isfinite(values)))
@@ -62,6 +65,17 @@ def write_log(path: str | Path, log: TestLog) -> None:
     except BaseException:
         writer.abort().unlink(missing_ok=True)
         raise
+
+
+def check_samples(samples: int, fields: int, where: str) -> None:
+    """Raise UsageError for more samples of so many fields than a log can have that is still read."""
+    size = record_dtype(tuple(range(1, fields + 1))).itemsize + INDEX_BYTES
+    most = min(MOST_RECORDS - SPARE_RECORDS, MOST_UNCOMPRESSED_BYTES // size)
+    if samples > most:
+        raise UsageError(
+            f"{where}: {samples} samples of {fields} fields are more than a test log holds ({most}); make several tests of it, or say "
+            "a longer resample_s in the map of its import"
+        )
 
 
 def field_order(names: Iterable[str], table: FieldTable, where: str) -> tuple[str, ...]:
@@ -134,13 +148,13 @@ class LogWriter:
             raise HjcampError(f"{self.part}: a sample without a time cannot be logged")
         if self._first_time is None:
             self._first_time = float(time[0])
-        log_time = self._start_ns + np.rint((time - self._first_time) * 1e9).astype(np.int64)
-        messages = encode(self._numbers, columns, log_time, CHANNEL, self.samples)
-        size = max(1, CHUNK_BYTES // messages.itemsize)
+        size = max(1, CHUNK_BYTES // record_dtype(self._numbers).itemsize)
         with disk_errors(self.part):
-            for start in range(0, len(messages), size):
-                self._container.add_chunk(messages[start : start + size])
-        self.samples += len(messages)
+            for start in range(0, len(time), size):
+                piece = [values[start : start + size] for values in columns]
+                log_time = self._start_ns + np.rint((piece[0] - self._first_time) * 1e9).astype(np.int64)
+                self._container.add_chunk(encode(self._numbers, piece, log_time, CHANNEL, self.samples))
+                self.samples += len(log_time)
 
     def flush(self) -> None:
         """Put everything that was appended on the disk."""

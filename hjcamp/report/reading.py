@@ -103,11 +103,11 @@ def _condensed(
     in_sets: list[InSet] = []
     glances: list[Glance] = []
     for name, places in groups.items():
-        gathering, group = Gathering(name), [logs[place] for place in places]
+        gathering, group, before = Gathering(name), [logs[place] for place in places], tuple(glances)
         with kept(group):
             found = look_at_condition(group)
             for place in (place for place in places if not any(one.log is logs[place] and counts_not(one) for one in found)):
-                glances.append(glance_at(logs[place], glances))
+                glances.append(glance_at(logs[place], before))
                 rows[place] = row_of(logs[place], folder)
                 gathering.add(logs[place])
                 shown.add_log(names[place], logs[place])

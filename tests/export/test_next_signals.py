@@ -59,15 +59,15 @@ def test_the_signals_are_the_inputs_that_were_chosen(wanted: dict[str, Wanted], 
         assert rules["files"][file]["condition"] == name and rules["plant"] == "carriage"
 
 
-def test_recordings_of_the_signals_come_back_by_the_map(
-    wanted: dict[str, Wanted], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_recordings_of_the_signals_come_back_by_the_map(wanted: dict[str, Wanted], capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["next", "log.mcap", "--as", "more", "--signals", "out"]) == 0, capsys.readouterr().err
     for path in Path("out").glob("*.csv"):
         rows = path.read_text().splitlines()
         moved = [f"{row},{1e-4 * k % 0.05:.5f}" for k, row in enumerate(rows[1:])]
         path.write_text("\n".join([f"{rows[0]},position_m", *moved]) + "\n")
-    assert cli.run(["import", "out", "--map", "out/map.yaml", "--into", "logs", "--json", "i.json"]) == 0, capsys.readouterr().err
+    assert cli.run(["import", "out", "--map", "out/map.yaml", "--into", "logs", "--json", "i.json"]) == 0, (
+        capsys.readouterr().err
+    )
     logs = json.loads(Path("i.json").read_text())["logs"]
     assert {one["metadata"]["condition"] for one in logs} == set(wanted)
 

@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.known_plants import DEFAULT, find_plant, plants_and_faults
 from hjcamp.model.checks.plant_checks import check_users_plant
@@ -66,6 +68,13 @@ class ColumnRule:
     def key(self) -> str:
         """The column's name among those of the whole file."""
         return f"{self.topic}:{self.column}" if self.topic else self.column
+
+    def field_of(self, values: np.ndarray) -> np.ndarray:
+        """Return the field of a column (rows,); what overflows is not finite."""
+        if (self.scale, self.offset, self.sign, self.shift, self.factor) == (1.0, 0.0, 1.0, 0.0, 1.0):
+            return values
+        with np.errstate(over="ignore", invalid="ignore"):
+            return (self.sign * (self.scale * values + self.offset) + self.shift) * self.factor
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from hjcamp.records.elsewhere.clock import (
     RATE_TOLERANCE,
     falls_back,
     last_of_each_time,
+    lost_rows,
     refuse_slow,
     resample,
     steady_period,
@@ -32,19 +34,32 @@ from hjcamp.records.log import TestLog
 from hjcamp.records.of_plant import PERIOD_KEY, PLANT_KEY, USUAL_PERIOD_S
 from hjcamp.records.plausible import Finding, refuse_implausible, watched_columns, without_small_tests
 from hjcamp.records.read import read_log
-from hjcamp.records.write import write_log
+from hjcamp.records.write import check_samples, write_log
 
 
 @dataclass(frozen=True)
 class Imported:
-    """A log that an import wrote: how much it holds (duration in s), and what in it is doubtful."""
+    """A log that an import wrote from a ``source``: how much it holds (duration in s), and what in it is doubtful.
 
+    ``constant``: the columns that keep one value.
+    """
+
+    source: Path
     path: Path
     samples: int
     duration: float
     fields: tuple[str, ...]
     metadata: dict[str, str]
     doubtful: list[Finding]
+    constant: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A file that no log could be made of, and why."""
+
+    source: Path
+    text: str
 
 
 def import_file(file: str | Path, mapping: str | Path, out: str | Path) -> TestLog:
@@ -53,7 +68,14 @@ def import_file(file: str | Path, mapping: str | Path, out: str | Path) -> TestL
     return read_log(out)
 
 
-def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequence[str | Path]) -> list[Imported]:
+def import_files(
+    files: Sequence[str | Path],
+    mapping: str | Path,
+    outs: Sequence[str | Path],
+    refused: list[Refused] | None = None,
+    report: Callable[[str, float], None] = lambda text, share: None,
+    look: Callable[[TestLog], Iterable[Finding]] = lambda log: (),
+) -> list[Imported]:
     """Write each of ``files`` as the test log of ``outs`` by the YAML file ``mapping``, and return what was written.
 
     A column becomes a field as ``sign * (scale * column + offset)`` in ``unit``. The end of a file's name says what it
@@ -78,23 +100,25 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
 
     A log has one sample each period: that of the map, else the mean one of the rows; rows that jitter are interpolated
     (an input that holds its value, and the phase, keep the value before). Logs of the usual plant have one each 1 ms.
-    Time 0 is the first row of phase 3, or the first of all. Nothing is written where one of the files cannot be.
+    Time 0 is the first row of phase 3, or the first of all. Nothing is written where one of the files cannot be,
+    unless ``refused`` is a list, which takes these. One file is in memory at a time; ``look`` says more of its log.
 
     Raises UsageError for a file or a mapping that is unusable, for values that the fields cannot have, and where one of
     ``outs`` exists or stands for two files.
     """
     pairs = [(Path(file), Path(out)) for file, out in zip(files, outs, strict=True)]
-    for number, (source, target) in enumerate(pairs):
-        if target.exists():
-            raise UsageError(f"{target}: exists already; delete it, or give the imported log another name")
-        for other, taken in pairs[:number]:
-            if taken == target:
-                raise UsageError(f"{target}: would be the log of {other} and of {source}; import them one by one")
+    _check_targets(pairs)
     rules = read_import_map(Path(mapping))
     written: list[Imported] = []
     try:
-        for source, target in pairs:
-            written.append(_import(source, target, rules, Path(mapping)))
+        for number, (source, target) in enumerate(pairs):
+            report(f"reading {source.name}", number / len(pairs))
+            try:
+                written.append(_import(source, target, rules, Path(mapping), look))
+            except UsageError as fault:
+                if refused is None:
+                    raise
+                refused.append(Refused(source, str(fault)))
     except BaseException:
         for one in written:
             one.path.unlink(missing_ok=True)
@@ -103,11 +127,26 @@ def import_files(files: Sequence[str | Path], mapping: str | Path, outs: Sequenc
     return [replace(one, doubtful=found) for one, found in zip(written, told, strict=True)]
 
 
-def _import(source: Path, target: Path, rules: ImportMap, mapping: Path) -> Imported:
+def _check_targets(pairs: Sequence[tuple[Path, Path]]) -> None:
+    """Raise UsageError where a log is there already, or would be that of two files."""
+    taken: dict[Path, Path] = {}
+    for source, target in pairs:
+        if target.exists():
+            raise UsageError(f"{target}: exists already; delete it, or give the imported log another name")
+        if (other := taken.setdefault(target, source)) is not source:
+            raise UsageError(f"{target}: would be the log of {other} and of {source}; import them one by one")
+
+
+def _import(
+    source: Path, target: Path, rules: ImportMap, mapping: Path, look: Callable[[TestLog], Iterable[Finding]]
+) -> Imported:
     log, filled = _log(source, target, rules, mapping)
     doubtful = [*filled, *refuse_implausible(log, f"{source} by {mapping}"), *_counted_from_elsewhere(rules, log)]
+    said = {one.field for one in doubtful}
+    doubtful += [one for one in look(log) if one.field not in said]
     write_log(target, log)
-    return Imported(target, log.samples, log.duration, tuple(log.columns), log.metadata, doubtful)
+    constant = tuple(name for name, values in log.columns.items() if name != "phase" and not np.ptp(values))
+    return Imported(source, target, log.samples, log.duration, tuple(log.columns), log.metadata, doubtful, constant)
 
 
 def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> tuple[TestLog, list[Finding]]:
@@ -121,7 +160,7 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> tuple[T
         times = np.arange(rows) * rules.period
     elif times is not None:
         fields, times, repeated = last_of_each_time(fields, times, where)
-        filled += [Finding("time_s", repeated, False)] if repeated else []
+        filled += [Finding("time_s", repeated, False, kind="clock")] if repeated else []
         falls_back(times, rules.rules.get("time_s", ColumnRule("")), where)
     if times is None:
         raise UsageError(f"{rules.where}: give period_s or sampling_hz, or map a column to time_s; {source} has no times")
@@ -137,9 +176,10 @@ def _log(source: Path, target: Path, rules: ImportMap, mapping: Path) -> tuple[T
     else:
         period, held = rules.resample or steady_period(times, rules.period), rules.held
         metadata |= {PLANT_KEY: rules.plant.name, PERIOD_KEY: repr(period)}
+    check_samples(round(float(times[-1] - times[0]) / period) + 1, len({"time_s", *fields}), where)
     columns = resample(fields, times, period, held, where)
     if uneven := uneven_words(times, period):
-        filled.append(Finding("time_s", uneven, False))
+        filled.append(Finding("time_s", uneven, False, kind="gaps" if lost_rows(times) is not None else "clock"))
     check_phase(columns, where)
     return TestLog(columns, metadata, {"import.yaml": mapping.read_bytes()}, target), filled
 
@@ -148,16 +188,17 @@ def _fields(source: Path, rules: ImportMap) -> tuple[dict[str, np.ndarray], np.n
     """Return the mapped columns in the units of their fields, in the order of the table, the rows' times, s, and what was filled."""
     table = read_table(source, rules)
     fields: dict[str, np.ndarray] = {}
+    later = Counter(rule.key for rule in rules.rules.values())
     for name, rule in rules.rules.items():
-        values = table.columns[rule.key]
+        later[rule.key] -= 1  # a column goes with the last field that is made of it
+        values = table.columns[rule.key] if later[rule.key] else table.columns.pop(rule.key)
         if rule.unwrap is not None:
             there = np.isfinite(values)
             values = values.copy()
             values[there] = np.unwrap(values[there], period=rule.unwrap)
-        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below, with its place
-            fields[name] = (rule.sign * (rule.scale * values + rule.offset) + rule.shift) * rule.factor
+        fields[name] = rule.field_of(values)
     times = fields.get("time_s", table.times)
-    filled = [Finding("", note, False) for note in table.notes]
+    filled = [Finding("", note, False, kind="file") for note in table.notes]
     filled += _filled(fields, times, rules.held) if rules.interpolate else []
     check_finite(fields, str(source), _hint(fields, rules))
     if rules.without_spikes:
@@ -183,7 +224,7 @@ def _without_spikes(fields: dict[str, np.ndarray], times: np.ndarray | None, rul
             text = told_spikes(name, places, values, rows, rules.table.field(name).unit)
             good = np.delete(np.arange(len(values)), places)
             fields[name] = np.interp(rows, rows[good], values[good])
-            found.append(Finding(name, f"{text}; filled in", False))
+            found.append(Finding(name, f"{text}; filled in", False, kind="spikes"))
     return found
 
 
@@ -203,7 +244,7 @@ def _counted_from_elsewhere(rules: ImportMap, log: TestLog) -> list[Finding]:
                 f"'{name}' is {shifted:.4g} K in the middle, as degrees are turned into kelvins; the plant is written for about "
                 f"{np.median(sizes):.3g} K: where it counts from 0 degrees Celsius, map the column without a unit"
             )
-            found.append(Finding(name, text, False))
+            found.append(Finding(name, text, False, kind="unit"))
     return found
 
 
@@ -227,5 +268,5 @@ def _filled(fields: dict[str, np.ndarray], times: np.ndarray | None, held: list[
             fields[name] = np.interp(rows, rows[known], values[known])
         longest = int(np.diff([-1, *known, len(values)]).max()) - 1
         lacking = f"{counted(len(values) - len(known), 'row')} of {len(values)}, at most {longest} in a row"
-        found.append(Finding(name, f"'{name}' has no value in {lacking}; filled in", False))
+        found.append(Finding(name, f"'{name}' has no value in {lacking}; filled in", False, kind="gaps"))
     return found

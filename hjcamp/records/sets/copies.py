@@ -83,7 +83,7 @@ def _pairs(courses: Sequence[Course]) -> Iterator[tuple[Course, Course]]:
     probed = [Probed.of(one) for one in courses]
     for k, one in enumerate(courses):
         for j in range(k + 1, len(courses)):
-            if probed[k].may_be_in(courses[j]) or probed[j].may_be_in(one):
+            if one.condition != courses[j].condition and (probed[k].may_be_in(courses[j]) or probed[j].may_be_in(one)):
                 yield one, courses[j]
 
 
@@ -93,7 +93,7 @@ def _lag(one: Course, other: Course) -> int | None:
     within = {name: max(one.rounding[name], other.rounding[name]) * (1.0 + ROUNDING) for name in shared}
     if not shared:
         return None
-    probe = max(shared, key=lambda name: len(np.unique(other.columns[name])))
+    probe = max(shared, key=lambda name: other.distinct[name])
     for lag in (0, *_begins(one.columns[probe], other.columns[probe], within[probe])):
         first, last = max(lag, 0), min(one.samples, other.samples + lag)
         if 2 * (last - first) < min(one.samples, other.samples):

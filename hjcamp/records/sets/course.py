@@ -69,6 +69,25 @@ class Course:
             for name, values in self.columns.items()
         }
 
+    @cached_property
+    def _ranks(self) -> dict[str, tuple[NDArray[np.intp], Array]]:
+        return {}
+
+    def near(self, name: str, reading: float, within: float) -> NDArray[np.intp]:
+        """Return the samples of a column that differ from a ``reading`` by ``within`` at most, but for rounding; sorted once."""
+        if name not in self._ranks:
+            order = np.argsort(self.columns[name], kind="stable")
+            self._ranks[name] = order, self.columns[name][order]
+        order, ranked = self._ranks[name]
+        margin = within + ROUNDING * (within + abs(reading))
+        first, last = ranked.searchsorted(reading - margin, "left"), ranked.searchsorted(reading + margin, "right")
+        return np.sort(order[first:last])
+
+    @cached_property
+    def distinct(self) -> dict[str, int]:
+        """How many different readings each column has."""
+        return {name: len(np.unique(values)) for name, values in self.columns.items()}
+
 
 def courses_of(logs: Iterable[TestLog]) -> list[Course]:
     """Return the courses of logs whose command phase is one stretch with readings; others say by themselves what is wrong."""

@@ -28,7 +28,7 @@ class Size(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class Glance:
     """A log, its ``fields``, the optional inputs that ``moved`` from their defaults, the sizes of its columns, what
-    was ``probed`` of them, and the earlier logs of other conditions that it ``may_be`` a copy of.
+    was ``probed`` of them, and the earlier logs that it ``may_be`` a copy of.
     """
 
     log: TestLog
@@ -41,7 +41,10 @@ class Glance:
 
 
 def glance_at(log: TestLog, earlier: Iterable[Glance] = ()) -> Glance:
-    """Return what is kept of a log, of which ``earlier`` ones it may be a copy; one that is no single test has no readings here."""
+    """Return what is kept of a log, and of which ``earlier`` ones, which it was not looked at with, it may be a copy.
+
+    One that is no single test has no readings here.
+    """
     columns, plant = log.columns, plant_of(log.metadata, str(log.path))
     moved = {
         name

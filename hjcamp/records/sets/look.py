@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -16,6 +16,7 @@ from hjcamp.records.sets.glance import Glance, glance_at
 from hjcamp.records.sets.incomplete import incomplete
 from hjcamp.records.sets.odd_one import odd_ones
 from hjcamp.records.sets.sizes import unlike_sizes
+from hjcamp.records.stored import ROOM_BYTES, kept
 
 Each = TypeVar("Each")
 
@@ -57,6 +58,36 @@ def look_at_condition(logs: Sequence[TestLog]) -> list[InSet]:
     return sorted(found, key=lambda one: not one.finding.refused)
 
 
+def look_one_by_one(logs: Sequence[TestLog]) -> list[InSet]:
+    """Return what stored logs say as a set, with few of them in memory: repetitions of a condition in batches that fit there."""
+    found: list[InSet] = []
+    glances: list[Glance] = []
+    for batch in _batches(logs):
+        before = tuple(glances)
+        with kept(batch):
+            found += look_at_condition(batch)
+            glances += [glance_at(log, before) for log in batch]
+    return sorted([*found, *look_across(glances)], key=lambda one: not one.finding.refused)
+
+
+def _batches(logs: Sequence[TestLog]) -> Iterator[list[TestLog]]:
+    """Yield the logs of each condition, in several parts where their files are larger than the room for stored ones."""
+    conditions: dict[str, list[TestLog]] = {}
+    for log in logs:
+        conditions.setdefault(log.condition_key, []).append(log)
+    for group in conditions.values():
+        batch: list[TestLog] = []
+        room = ROOM_BYTES
+        for log in group:
+            size = log.path.stat().st_size if log.path else 0
+            if batch and size > room:
+                yield batch
+                batch, room = [], ROOM_BYTES
+            batch.append(log)
+            room -= size
+        yield batch
+
+
 def look_across(logs: Sequence[Glance]) -> list[InSet]:
     """Return what logs, of which a glance was kept, say across their conditions: copies, and what some of them lack."""
     sets = _sets(logs, lambda one: one.log)
@@ -85,17 +116,18 @@ def _of_tests(logs: Sequence[TestLog]) -> list[InSet]:
     same = copies(courses)
     left_out = {id(one.log) for one in same}
     own: list[Course] = [one for one in courses if id(one.log) not in left_out]
-    found = [InSet(one.log, Finding(one.field, one.text, one.explained), odd=True) for one in odd_ones(own)]
+    found = [InSet(one.log, Finding(one.field, one.text, one.explained, kind="differs"), odd=True) for one in odd_ones(own)]
     return [*found, *map(_copy, same)]
 
 
 def _copy(one: Copy) -> InSet:
-    return InSet(one.log, Finding("", one.text, False), original=one.original, simulated=one.simulated)
+    return InSet(one.log, Finding("", one.text, False, kind="copy"), original=one.original, simulated=one.simulated)
 
 
 def _of_glances(logs: Sequence[Glance]) -> list[InSet]:
     lacking = [
-        InSet(one.log, Finding(one.field, one.text, False), missing=True, left_out=one.left_out) for one in incomplete(logs)
+        InSet(one.log, Finding(one.field, one.text, False, kind="field missing"), missing=True, left_out=one.left_out)
+        for one in incomplete(logs)
     ]
     return [*(InSet(log, finding) for log, finding in unlike_sizes(logs)), *lacking]
 

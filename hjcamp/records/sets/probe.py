@@ -37,24 +37,22 @@ def probe_of(values: Array) -> Probe:
 
 
 class Probed(NamedTuple):
-    """Probes of all that a test of a ``condition`` measured, at the same samples, and by how much a copy of each may differ."""
+    """Probes of all that a test measured, at the same samples, and by how much a copy of each may differ."""
 
-    condition: str
     probes: dict[str, Probe]
     rounding: dict[str, float]
 
     @classmethod
     def of(cls, one: Course) -> Probed:
         """Return the probes of a test."""
-        return cls(one.condition, {name: probe_of(one.columns[name]) for name in one.measured}, one.rounding)
+        return cls({name: probe_of(one.columns[name]) for name in one.measured}, one.rounding)
 
     def may_be_in(self, other: Course) -> bool:
-        """Whether a test of another condition holds these readings, all of one sample in one of its own."""
+        """Whether another test holds these readings, all of one sample in one of its own."""
         shared = [name for name in self.probes if name in other.measured]
-        if self.condition == other.condition or not shared:
-            return False
-        found = None
+        found: NDArray[np.intp] | None = None
         for name in shared:  # the first leaves few samples to the others: most pairs of tests end there
             within = max(self.rounding[name], other.rounding[name]) * (1.0 + ROUNDING)
+            found = other.near(name, float(self.probes[name].readings[0]), within) if found is None else found
             found = self.probes[name].found_in(other.columns[name], within, found)
         return found is not None and len(found) > 0

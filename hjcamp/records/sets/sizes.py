@@ -39,11 +39,11 @@ def unlike_sizes(logs: Sequence[Glance]) -> Iterator[tuple[TestLog, Finding]]:
         for name, (size, elsewhere) in columns.items():
             rest = [column for other, column in columns.items() if other != name]
             if text := _in_other_unit(table.field(name), size, elsewhere, rest):
-                yield log.log, Finding(name, text, False)
+                yield log.log, Finding(name, text, False, kind="unit")
             elif still.get(name) == [log] and rest and all(map(_moves, rest)):
                 why = f"although it changes in {_count(elsewhere)}, and all else moves as it does there"
                 text = f"'{name}' keeps one value in all {log.samples} samples, {why} (not connected, or held on purpose)"
-                yield log.log, Finding(name, text, False)
+                yield log.log, Finding(name, text, False, kind="constant")
 
 
 Column = tuple[Size, Sequence[Size]]

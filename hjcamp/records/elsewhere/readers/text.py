@@ -12,6 +12,7 @@ from hjcamp.records.elsewhere.cells import numbers_of
 from hjcamp.records.elsewhere.import_map import ImportMap
 from hjcamp.records.elsewhere.reader import MOST_COLUMNS, Column, Reader, Table, check_width, first_line
 from hjcamp.records.elsewhere.text_head import head_of
+from hjcamp.records.elsewhere.text_pieces import numbers_in_pieces
 from hjcamp.records.elsewhere.text_table import BLANKS, dialect_of, most_cells, table_of, with_whole_quotes
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ class Text(Reader):
 
     def read(self, source: Path, names: list[str], rules: ImportMap) -> Table:
         """Return the named columns."""
+        if (found := numbers_in_pieces(source, names, rules)) is not None:
+            return Table(found)
         table, comma = table_of_lines(source, lines_of_text(source)[rules.skip_lines :], names, rules)
         return Table(numbers_of(source, table, names, comma, rules))
 
