@@ -5,10 +5,12 @@ Import it where a configuration is checked, not at the top of a command: it brin
 
 from __future__ import annotations
 
+import json
 import math
 import types
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -16,6 +18,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from hjcamp.errors import UsageError, shown, unknown
+from hjcamp.storage import disk_errors, whole_file
 
 NAMES = {
     float: "a number",
@@ -68,6 +71,16 @@ def checked(schema: type[Checked], content: Any, path: str) -> Checked:
     # A misspelt key is also a missing one: its nearest match helps more.
     error = next((one for one in errors if one["type"] == "extra_forbidden"), errors[0])
     raise _refusal(schema, content, error, path)
+
+
+def editor_line(file: Path, name: str, schema: Mapping[str, Any]) -> str:
+    """Write a JSON schema as ``.schemas/NAME.json`` next to a file, and return the line by which editors find it there."""
+    target = file.parent / ".schemas" / f"{name}.json"
+    with disk_errors(target):
+        target.parent.mkdir(parents=True, exist_ok=True)
+    with whole_file(target) as stream:
+        stream.write((json.dumps(schema, indent=1) + "\n").encode())
+    return f"# yaml-language-server: $schema=.schemas/{name}.json\n"
 
 
 def _refusal(schema: type[Group], content: Any, error: Any, path: str) -> UsageError:

@@ -17,7 +17,9 @@ from hjcamp.known_plants import plant_of
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.language.field_table import fields_of
 from hjcamp.model.language.field_unit import unit_of_field
+from hjcamp.records.elsewhere.map_schema import map_schema
 from hjcamp.records.plan import Condition, Plan
+from hjcamp.schema import editor_line
 from hjcamp.storage import check_place, file_names, shown_path, write_whole
 
 MAP = "map.yaml"
@@ -106,5 +108,6 @@ def _map(plant: type[Plant], columns: list[str], files: Mapping[str, Mapping[str
         name: {"column": name, "unit": "s" if name == "time_s" else unit_of_field(name, plant.name).shown} for name in wanted
     }
     content = {"plant": plant.name, "fields": fields, "files": {name: dict(one) for name, one in files.items()}}
-    head = HEAD.format(map=shown_path(folder / MAP))
+    line = editor_line(folder / MAP, f"map_{plant.name}", map_schema(plant))
+    head = line + HEAD.format(map=shown_path(folder / MAP))
     return head + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=120, default_flow_style=None)

@@ -187,6 +187,8 @@ def write_new_map(files: Sequence[Path], plant: str, output: Path | None) -> Non
     from hjcamp.known_plants import find_plant
     from hjcamp.model.checks.plant_checks import check_users_plant
     from hjcamp.records.elsewhere.guess import guess_map
+    from hjcamp.records.elsewhere.map_schema import map_schema
+    from hjcamp.schema import editor_line
     from hjcamp.storage import whole_file
 
     target = output or files[0].with_name(f"{files[0].stem}_map.yaml")
@@ -197,7 +199,7 @@ def write_new_map(files: Sequence[Path], plant: str, output: Path | None) -> Non
     check_users_plant(chosen)
     guess = guess_map(files[0], chosen)
     with whole_file(target) as stream:
-        stream.write(guess.text.encode())
+        stream.write((editor_line(target, f"map_{chosen.name}", map_schema(chosen)) + guess.text).encode())
     print(f"{target}: guessed from the columns of {files[0]}; look it through")
     if guess.open:
         print(f"  open (?): {', '.join(guess.open)}")

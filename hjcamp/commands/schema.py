@@ -6,8 +6,6 @@ from typing import Annotated
 
 import typer
 
-NAMES = ("map",)
-
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
@@ -15,19 +13,17 @@ def register(app: typer.Typer) -> None:
 
 
 def schema(
-    name: Annotated[str, typer.Argument(help="Which file: map.")],
-    plant: Annotated[str | None, typer.Option(help="With the fields of this plant.")] = None,
+    name: Annotated[str, typer.Argument(help="Which file: campaign, map, model, rig, settings, or a group such as pump.")],
+    plant: Annotated[str | None, typer.Option(help="With the fields, parameters and effects of this plant.")] = None,
 ) -> None:
-    """Print the JSON schema of a file that you write: hjcamp schema map > map.json.
+    """Print the JSON schema of a file that you write: hjcamp schema campaign > campaign.json.
 
-    The line '# yaml-language-server: $schema=map.json' at the head of a map makes an editor use it.
+    The line '# yaml-language-server: $schema=campaign.json' at the head of a file makes an editor use it; files that the program
+    begins have it. settings: the whole configuration, as config.yaml of a run holds it.
     """
     import json
 
-    from hjcamp.errors import unknown
+    from hjcamp.configuration.file_schemas import file_schema
     from hjcamp.known_plants import find_plant
-    from hjcamp.records.elsewhere.map_schema import map_schema
 
-    if name not in NAMES:
-        raise unknown("file", name, NAMES)
-    print(json.dumps(map_schema(find_plant(plant, "--plant") if plant else None), indent=1))
+    print(json.dumps(file_schema(name, find_plant(plant, "--plant") if plant else None), indent=1))

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from hjcamp.backends.plant_simulation import followed_unit, model_of, plant_in
+from hjcamp.configuration.file_models import SavedModel
 from hjcamp.controllers import find_controller, load_controllers
 from hjcamp.controllers.controller import Controller
 from hjcamp.controllers.fit import check_fits, fitting
@@ -96,6 +97,7 @@ def check_plant_configuration(config: Mapping[str, Any], further_keys: tuple[str
         if not isinstance(config.get(group), Mapping):
             raise UsageError(f"{group} is {shown(config.get(group))}; a choice of the group with its parameters is needed")
     checked(PlantGroup, config["plant"], "plant")
+    checked(SavedModel, config["model"], "model")
     plant = plant_in(config)
     backend = config["backend"].get("name")
     if backend not in BACKENDS:

@@ -9,6 +9,7 @@ from typing import Any
 
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import find_plant, usual_plant
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.declare.plant import Plant
 from hjcamp.storage import named_file, whole_file
@@ -58,9 +59,14 @@ def write_content(
     """Write what a model holds with its name and provenance, and return all of it; refuse a name that was taken meanwhile."""
     import yaml
 
+    from hjcamp.configuration.file_schemas import file_schema
+    from hjcamp.schema import editor_line
+
     check_new_name(path.stem, path.parent)
     whole = {"name": path.stem, **content, "provenance": dict(provenance)}
-    head = "".join(f"# {line}\n" for line in comment)
+    of = find_plant(str(content["plant"])) if content.get("plant") else usual_plant()
+    line = editor_line(path, f"model_{of.name}", file_schema("model", of))
+    head = line + "".join(f"# {one}\n" for one in comment)
     with whole_file(path) as stream:
         stream.write((head + yaml.safe_dump(whole, sort_keys=False, allow_unicode=True, width=110)).encode())
     return whole

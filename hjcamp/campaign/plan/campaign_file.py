@@ -9,10 +9,12 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
+from hjcamp.configuration.file_models import CampaignFile
 from hjcamp.configuration.run_keys import RunKeys
 from hjcamp.errors import UsageError, unknown
+from hjcamp.schema import checked
 
-KEYS = ("name", "description", "fixed", "vary", "repetitions", "seed", "tables")
+KEYS = tuple(CampaignFile.model_fields)
 RUN_KEYS = ("campaign", "hydra", *RunKeys.model_fields)
 
 
@@ -62,6 +64,7 @@ def read_campaign(content: Mapping[str, Any], expected_name: str) -> Campaign:
     for one, other in combinations(axes, 2):
         for key in sorted(one.keys & other.keys):
             raise UsageError(f"{where} varies '{key}' twice: in the axes '{one.name}' and '{other.name}'")
+    checked(CampaignFile, content, where)
     return Campaign(expected_name, str(content.get("description") or ""), fixed, axes)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
+from hjcamp.known_plants import DEFAULT, find_plant
 from hjcamp.storage import named_file, whole_file
 
 FOLDER = Path("campaigns")
@@ -31,6 +32,11 @@ def write_campaign(path: Path, content: Mapping[str, Any], comment: Sequence[str
     """Write a campaign's YAML, whole or not at all."""
     import yaml
 
+    from hjcamp.configuration.file_schemas import file_schema
+    from hjcamp.schema import editor_line
+
+    plant = find_plant((content.get("fixed") or {}).get("plant") or DEFAULT)
+    line = editor_line(path, f"campaign_{plant.name}", file_schema("campaign", plant))
     text = yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True, width=110)
     with whole_file(path) as stream:
-        stream.write(("".join(f"# {line}\n" for line in comment) + text).encode())
+        stream.write((line + "".join(f"# {line}\n" for line in comment) + text).encode())

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pydantic import Field
-
+from hjcamp.configuration.file_models import SavedModel
 from hjcamp.configuration.run_keys import RunKeys, read_run_keys
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
@@ -18,21 +17,11 @@ from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.factors import FACTORS
 from hjcamp.plants.pump_joint.rig.schema import Backend, Rig
-from hjcamp.schema import Group, checked
+from hjcamp.schema import checked
 from hjcamp.trajectories import build_trajectory
 
 GROUPS = (*PumpJoint.settings(), "controller", "trajectory", "backend", "rig", "model")
 OWN_EFFECTS = "hjcamp.effects."
-
-
-class SavedModel(Group):
-    """A model: base parameters that differ from the hardware's and added effects, SI; factors; where they come from."""
-
-    name: str
-    parameters: dict[str, Any]
-    effects: dict[str, Any]
-    factors: dict[str, Any] = Field(default={})
-    provenance: dict[str, Any] = Field(default={})
 
 
 def check_test(config: Mapping[str, Any]) -> None:
