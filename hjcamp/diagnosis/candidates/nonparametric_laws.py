@@ -17,6 +17,7 @@ from typing import Any
 from hjcamp.diagnosis.data.segments import NUMBER
 from hjcamp.model.declare.effect import Effect
 from hjcamp.model.declare.parameter import Parameter
+from hjcamp.model.declare.table import Table
 
 BIG = (-1e9, 1e9)
 # Names of its own that no state or parameter of a plant is likely to have.
@@ -80,6 +81,12 @@ def _sum_of_hats(
     scope: dict[str, Any] = {"__name__": __name__, "hypot": hypot, "floor": floor}
     exec(compile(text, file, "exec"), scope)
     method: Callable[..., Any] = scope[slot]
+    sum_of = "interpolated({{table}}, {share}, {start}, {factor})".format
+    both = {"share": f"{share_of} - floor({share_of})" if turns else share_of}
+    plain = sum_of(**both, start="0.0", factor="1.0")
+    scaled = sum_of(**both, start=slot if slot in names else "0.0", factor=times or "1.0")
+    read = f"{slot} * rooted({plain})" if positive else f"-{plain}" if taken else scaled
+    vars(method)["table"] = Table(f"{KNOT}0", knots, read)
     return method
 
 

@@ -11,9 +11,10 @@ from functools import cached_property
 from hjcamp.errors import UsageError
 from hjcamp.model.compile.reaction import with_reactions
 from hjcamp.model.compile.source_text import GATES, behind_one_test, live, where_used
-from hjcamp.model.declare.effect import Effect, Term
+from hjcamp.model.declare.effect import Effect, Term, parameters_of
 from hjcamp.model.declare.parameter import Contact, Cut, Parameter, State
 from hjcamp.model.declare.plant import Plant
+from hjcamp.model.declare.table import table_of
 from hjcamp.model.language.effect_names import check_effect
 from hjcamp.model.language.vocabulary import Vocabulary, read_vocabulary
 
@@ -224,7 +225,13 @@ class Composition:
         """Return the call of a term; ``known`` are the signals that are computed where it stands, all of them if None."""
         known = self.vocabulary.signals if known is None else known
         names = [self._resolve(effect, argument, known) for argument in term.arguments]
-        return f"{effect.name}__{name}({', '.join(names)})"
+        table = table_of(term.function)
+        if table is None:
+            return f"{effect.name}__{name}({', '.join(names)})"
+        local = dict(zip(parameters_of(term.function), names, strict=True))
+        first = list(self.parameters).index(f"{effect.name}.{table.first}")
+        said = re.sub(r"\b[A-Za-z_]\w*\b", lambda word: local.get(word[0], word[0]), table.text)
+        return said.replace("{table}", f"p, {first}, {table.count}")
 
     def _resolve(self, effect: type[Effect], argument: str, known: Collection[str]) -> str:
         """Return the local name of an argument: a signal, once it is computed, hides a state, parameter or input of its name."""
@@ -244,12 +251,13 @@ class Composition:
 
 
 def term_functions(effects: Sequence[type[Effect]]) -> dict[str, Callable[..., float]]:
-    """Return every function of the effects by its name in the composed source."""
-    found = {}
+    """Return every function of the effects by its name in the composed source; those with a table share one."""
+    found: dict[str, Callable[..., float]] = {}
     for effect in effects:
         groups = {"": effect.terms, "d_": effect.rates, "next_": effect.updates, "start_": effect.starts}
         for prefix, functions in groups.items():
-            found.update({f"{effect.name}__{prefix}{name}": term.function for name, term in functions.items()})
+            own = {f"{effect.name}__{prefix}{name}": term.function for name, term in functions.items()}
+            found |= {name: function for name, function in own.items() if table_of(function) is None}
     return found
 
 

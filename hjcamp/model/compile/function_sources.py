@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from hjcamp.model.compile.compose import Composition, term_functions
 from hjcamp.model.compile.source_text import copied_function, function_source, names_in
+from hjcamp.model.declare.table import interpolated, rooted, table_of
 
 
 def rates_source(composition: Composition) -> str:
@@ -138,4 +139,7 @@ def _where_open(composition: Composition, index: int, line: str) -> str:
 
 def terms_source(composition: Composition) -> str:
     """Return the source of every effect's functions, copied so that the kernel's hash sees their text."""
-    return "\n".join(copied_function(name, function) for name, function in term_functions(composition.effects).items())
+    functions = term_functions(composition.effects)
+    if any(table_of(term.function) for effect in composition.effects for term in effect.terms.values()):
+        functions |= {one.__name__: one for one in (interpolated, rooted)}
+    return "\n".join(copied_function(name, function) for name, function in functions.items())
