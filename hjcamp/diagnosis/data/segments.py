@@ -144,9 +144,14 @@ class Layout:
         low, high = self.measured.ends.T
         return np.asarray((self.readings <= low) | (self.readings >= high))
 
+    @cached_property
+    def any_end(self) -> bool:
+        """Whether any sensor ever reads its end."""
+        return bool(self.at_ends.any())
+
     def held(self, predicted: Array) -> Array:
         """Return predicted readings (n, sensors), SI, held at the end of a sensor where it reads that."""
-        return np.where(self.at_ends, self.measured.shown(predicted), predicted)
+        return np.where(self.at_ends, self.measured.shown(predicted), predicted) if self.any_end else predicted
 
     @cached_property
     def time(self) -> Array:
@@ -298,7 +303,7 @@ class Layout:
 
         What a sensor reads at its end is left out: held there, residuals break off, and no start is found from their slopes.
         """
-        known = np.where(self.at_ends, 0.0, residuals) if self.at_ends.any() else residuals
+        known = np.where(self.at_ends, 0.0, residuals) if self.any_end else residuals
         with np.errstate(over="ignore", invalid="ignore"):  # a model that diverges is no warning: it is not taken
             shaped = known.reshape(-1, self.width, residuals.shape[1]) / self.measured.noise
             return np.asarray(shaped.transpose(0, 2, 1) @ self.basis)

@@ -112,16 +112,14 @@ class Balances:
         layout = self.layout
         model, values = self.kernels.model(candidate)
         inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
-        inputs = inputs.reshape(len(states), -1, inputs.shape[1]).mean(axis=1)
-        begins = np.zeros(len(states), dtype=np.int64)
-        begins[:: layout.width] = layout.fresh
-        parts: list[tuple[NDArray[np.bool_], Along]] = []
+        if len(inputs) > len(states):
+            inputs = inputs.reshape(len(states), -1, inputs.shape[1]).mean(axis=1)
+        parts: list[tuple[slice | NDArray[np.bool_], Along]] = []
         for given, windows in layout.groups:
-            rows = np.repeat(windows, layout.width)
+            rows = slice(None) if windows.all() else np.repeat(windows, layout.width)
             p = model.vector({**values, **given})
-            course = Course(
-                layout.measured.period, begins[rows], layout.time[rows], self._direction[rows], states[rows], inputs[rows]
-            )
+            begins, sides = self._begins[rows], self._direction[rows]
+            course = Course(layout.measured.period, begins, layout.time[rows], sides, states[rows], inputs[rows])
             parts.append((rows, model.rates.along(p, course, frozenset(candidate.effects))))
         if len(parts) == 1:
             return parts[0][1]
@@ -131,9 +129,16 @@ class Balances:
                 into[rows] = own
         return whole
 
-    @property
+    @cached_property
     def _direction(self) -> Array:
         return np.asarray(self.moving @ (3.0 ** np.arange(self.moving.shape[1])))
+
+    @cached_property
+    def _begins(self) -> NDArray[np.int64]:
+        """1 where effects begin as they declare, else 0 (n,)."""
+        found = np.zeros(len(self.states), dtype=np.int64)
+        found[:: self.layout.width] = self.layout.fresh
+        return found
 
     def _of_sensors(self, candidate: Candidate, predicted: Predicted) -> Array | float:
         """Return what the balances (windows, features) are by what a candidate's sensors err by, with a memory or without.
@@ -147,24 +152,29 @@ class Balances:
         if not names:
             return 0.0
         plain, shown = candidate.without(names), predicted.states.copy()
-        right = self._along(plain, predicted.states).readings
+        right = self._along(plain, predicted.states)
         for of, k in best_sensors(layout.measured).items():
             field = layout.measured.sensors[k].field
-            error = (predicted.readings[:, k] - right[:, list(plant.measured).index(field)]) / shown_by(plant, field)[1]
+            error = (predicted.readings[:, k] - right.readings[:, list(plant.measured).index(field)]) / shown_by(plant, field)[
+                1
+            ]
             shown[:, list(plant.states).index(of)] += error
             above = next((rate for rate, one in rate_of(plant).items() if one == of), "")
             if above:
                 slope = np.asarray(np.gradient(error.reshape(-1, layout.width), layout.measured.period, axis=1))
                 shown[:, list(plant.states).index(above)] += slope.ravel()
-        return self._raw(plain, shown) - self._raw(plain, predicted.states)
+        return self._raw(plain, shown) - self._of_rates(right, predicted.states)
 
     def _raw(self, candidate: Candidate, states: Array, ends: Array | None = None) -> Array:
         """Return the balances (windows, features) at states (n, states), each in the unit of its state.
 
         ``ends`` (windows, states) are where predicted states go on to, one sample behind a window; the next one begins elsewhere.
         """
-        along, period = self._along(candidate, states), self.layout.measured.period
-        parts = []
+        return self._of_rates(self._along(candidate, states), states, ends)
+
+    def _of_rates(self, along: Along, states: Array, ends: Array | None = None) -> Array:
+        """Return the balances (windows, features) of states (n, states) with these rates, see `_raw`."""
+        period, parts = self.layout.measured.period, []
         for one in self.balanced:
             x = states[:, one.state]
             # what was gained in each sample beyond what the rate gives, 0 where nothing follows

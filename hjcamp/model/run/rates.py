@@ -63,8 +63,8 @@ class Rates:
         composition, n = self.composition, len(course.time)
         plain, total = len(composition.plant.states), len(composition.states)
         own = np.array(open_states(composition, set(opened)), dtype=np.int64)
-        before, after = np.zeros((n, plain)), np.zeros((n, plain))
-        shown = np.zeros((n, len(composition.measured)))
+        before, after, shown = np.empty((n, plain)), np.empty((n, plain)), np.empty((n, len(composition.measured)))
+        after[-1] = 0.0
         self.kernel.rates_along(
             course.period, course.begins, own, course.time, course.direction, np.ascontiguousarray(course.states),
             np.ascontiguousarray(course.inputs), p, before, after, shown, np.zeros((4, total)),
