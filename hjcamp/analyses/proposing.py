@@ -13,7 +13,7 @@ from hjcamp.json_text import read_json
 
 if TYPE_CHECKING:
     from hjcamp.diagnosis.calibration.analysis import Analysis
-    from hjcamp.diagnosis.design.proposal import Proposal
+    from hjcamp.diagnosis.design.proposal import Makeable, Proposal
     from hjcamp.diagnosis.selection.scored import Scored
 
 DIAGNOSED = 0.6
@@ -68,20 +68,25 @@ def propose_for_plant(
 
 
 def propose_after(
-    done: PlantDiagnosed, rivals: Sequence[str] = (), tests: int = 3, seed: int = 1, report: Report = silent
+    done: PlantDiagnosed,
+    rivals: Sequence[str] = (),
+    tests: int = 3,
+    seed: int = 1,
+    report: Report = silent,
+    makeable: Makeable | None = None,
 ) -> PlantProposed:
-    """Return the proposal after a diagnosis (`PlantDiagnosed`) that is at hand."""
+    """Return the proposal after a diagnosis (`PlantDiagnosed`) that is at hand, of tests that are ``makeable``."""
     from hjcamp.diagnosis.design.rivals import check_names
 
     check_names(done.analysis.search.library, rivals)
     verdict = done.verdict
     known = [verdict.model, *([verdict.term] if verdict.term else []), *verdict.rivals, *verdict.named, *verdict.terms]
-    return _proposed(done.analysis, done.content, known, rivals, tests, seed, None, report)
+    return _proposed(done.analysis, done.content, known, rivals, tests, seed, None, report, makeable)
 
 
 def _proposed(
     analysis: Analysis, content: Mapping[str, Any], known: Sequence[Scored], rivals: Sequence[str], tests: int, seed: int,
-    reused: Path | None, report: Report,
+    reused: Path | None, report: Report, makeable: Makeable | None = None,
 ) -> PlantProposed:  # fmt: skip
     from hjcamp.diagnosis.design.proposal import propose
     from hjcamp.diagnosis.design.rivals import question_of
@@ -89,7 +94,8 @@ def _proposed(
     report("fitting the rivals", DIAGNOSED)
     question = question_of(analysis, content, known, rivals, seed)
     rest = 1.0 - DIAGNOSED
-    proposal = propose(analysis, question, tests, lambda text, share: report(text, DIAGNOSED + rest * share))
+    own = {} if makeable is None else {"makeable": makeable}
+    proposal = propose(analysis, question, tests, lambda text, share: report(text, DIAGNOSED + rest * share), **own)
     return PlantProposed(analysis, content, proposal, reused)
 
 

@@ -33,14 +33,17 @@ def before_moving(config: Mapping[str, Any]) -> list[str]:
     return [] if say is None else list(say(config))
 
 
-def watches(config: Mapping[str, Any]) -> list[Watch]:
-    """Return the limits that a test stays within, as quantities of its log: those of its rig, else what its plant finds plausible."""
+def watches(config: Mapping[str, Any], reach: bool = False) -> list[Watch]:
+    """Return the limits that a test stays within, as quantities of its log: those of its rig, else what its plant finds plausible.
+
+    With ``reach`` the ranges of a rig's channels count as well: what an output gives, and what a sensor shows.
+    """
     plant = plant_of(config)
     own = plant.room_of("watches")
     if own is not None and config["rig"].get("limits"):
         return list(own.rig_watches(config))
     if config["backend"]["name"] == "rig":
-        return list(_backend(config).watches(config))
+        return list(_backend(config).watches(config, reach))
     return plausible_watches(plant)
 
 

@@ -9,6 +9,7 @@ import typer
 
 from hjcamp.analyses.data import Data
 from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.errors import UsageError
 
 
 def register(app: typer.Typer) -> None:
@@ -24,6 +25,13 @@ def calibrate(
     ] = None,
     conf: Annotated[Path, typer.Option(help="Configuration folder to write into.")] = Path("conf"),
     replace: Annotated[bool, typer.Option("--replace", help="Replace files of that name.")] = False,
+    profile: Annotated[
+        bool,
+        typer.Option("--profile", help="Intervals by likelihood ratio, drawn on a page; says what the tests do not bound."),
+    ] = False,
+    posterior: Annotated[
+        Path | None, typer.Option(help="Write draws from the posterior to this netCDF file, for arviz (extra 'posterior').")
+    ] = None,
     json: AnswerFile = None,
 ) -> None:
     """Identify a rig's constants from its own logs and save them as configuration."""
@@ -34,4 +42,13 @@ def calibrate(
     check_answer_file(json)
     check_name(name, conf, replace)
     data = Data(paths)
-    (data.plant.room_of("calibrate") or calls).calibrate(data, name, only or [], conf, replace, json)
+    room = data.plant.room_of("calibrate")
+    if room is None:
+        calls.calibrate(data, name, only or [], conf, replace, json, profile, posterior)
+        return
+    if profile or posterior is not None:
+        option = "--profile" if profile else "--posterior"
+        raise UsageError(
+            f"{option}: plant {data.plant_name} is calibrated test by test, without one likelihood; it is of other plants"
+        )
+    room.calibrate(data, name, only or [], conf, replace, json)

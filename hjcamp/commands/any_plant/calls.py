@@ -103,13 +103,26 @@ def _tell_of_own(console: Console, data: Data) -> None:
     print_wrapped(console, faults_of_own(data.measured.plant), 8, "own")
 
 
-def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool, json: Path | None = None) -> None:
+def calibrate(
+    data: Data,
+    name: str,
+    only: list[str],
+    conf: Path,
+    replace: bool,
+    json: Path | None = None,
+    profile: bool = False,
+    draws: Path | None = None,
+) -> None:
     """Fit the base parameters of a plant to tests and save them as a model."""
     if only:
         raise UsageError(f"--only {only[0]}: it chooses logs of {DEFAULT}; of plant {data.plant_name} name the logs themselves")
+    from hjcamp.analyses.uncertainty import check_posterior
     from hjcamp.campaign.execution.console import make_console
+    from hjcamp.commands.any_plant import uncertainty as further
     from hjcamp.commands.shared.session import progress_of, write_answer
 
+    if draws is not None:
+        check_posterior(draws)
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.analyses.calibrating import fit_plant
@@ -127,12 +140,16 @@ def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool,
         }
         notes = [*untold(done.analysis), *end_words(end_rows(done.analysis.windows.layout))]
         notes += still_words(still_rows(measured))
+        found = further.uncertainty(done, name, profile, draws, report)
+        notes += found.notes
         rest: dict[str, Any] = {"notes": notes, "model": str(done.model), "rig": None, "page": None}
-        write_answer(json, {**head, "calibration": done.rows, **rest})
+        write_answer(json, {**head, "calibration": done.rows, **rest, **found.content})
     print_calibration(console, done.analysis, done.rows)
     for note in notes:
         console.print(f"note    {note}", markup=False)
     console.print(f"model   {done.model}", markup=False)
+    for kind, path in found.files.items():
+        console.print(f"{kind:8}{path}", markup=False, soft_wrap=True)
     console.print(f"next    hjcamp compare {joined(data.paths)} --model published --model {name}", markup=False)
 
 

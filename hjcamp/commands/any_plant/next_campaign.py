@@ -32,7 +32,7 @@ def written_campaign(done: PlantProposed, data: Data, name: str | None) -> Path 
         "name": path.stem,
         "description": f"Tests that set apart {names_of(done.proposal)}",
         "fixed": {"plant": plant.name, "controller": "given", "controller.input": next(iter(driven))},
-        "vary": {"test": {one.wanted.name: _settings(done, one) for one in tests}},
+        "vary": {"test": {one.wanted.name: settings_of(done, one) for one in tests}},
         "repetitions": max(tests[0].repetitions, 1),
         "tables": [],
     }
@@ -54,7 +54,8 @@ def _others_rest(done: PlantProposed, driven: str) -> bool:
     )
 
 
-def _settings(done: PlantProposed, one: Proposed) -> dict[str, Any]:
+def settings_of(done: PlantProposed, one: Proposed) -> dict[str, Any]:
+    """Return what a condition of `hjcamp run` says for a course of one input: trajectory, and where the states begin."""
     from hjcamp.controllers.fit import input_field
     from hjcamp.model.language.field_unit import unit_of_field
 

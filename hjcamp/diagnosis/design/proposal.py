@@ -19,6 +19,8 @@ from hjcamp.diagnosis.residuals.windows import Windows
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
+#: Whether a test can be made: what is wanted, and whether tests are motions here.
+Makeable = Callable[[Wanted, bool], bool]
 Pairs = dict[tuple[int, int], float]
 REFITTED = 5
 # Below this, in standard deviations, a test does not tell two rivals apart.
@@ -67,7 +69,13 @@ class Proposal:
         return max((value for one in self.tests for value in one.pairs.values()), default=0.0)
 
 
-def propose(analysis: Analysis, question: Question, tests: int = 3, report: Report = lambda text, share: None) -> Proposal:
+def propose(
+    analysis: Analysis,
+    question: Question,
+    tests: int = 3,
+    report: Report = lambda text, share: None,
+    makeable: Makeable = lambda wanted, by_motion: True,
+) -> Proposal:
     """Return the tests of the menu that separate the rivals best, at most ``tests`` of them worth making."""
     rivals, layout = question.rivals, analysis.windows.layout
     by_motion = held_by_loop(analysis)
@@ -76,7 +84,9 @@ def propose(analysis: Analysis, question: Question, tests: int = 3, report: Repo
     samples = layout.width * int(
         np.clip(np.median([test.samples // layout.width for test in analysis.measured.tests]), 1, WINDOWS)
     )
-    wanted = menu(analysis.measured, samples, by_motion)
+    wanted = [one for one in menu(analysis.measured, samples, by_motion) if makeable(one, by_motion)]
+    if not wanted:
+        return Proposal(question, (), 0, {}, 0, by_motion, ())
     report("finding what the motions need", 0.05)
     bench = bench_of(analysis, wanted, rivals[0].candidate, by_motion)
     truths = []

@@ -16,6 +16,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "add": ("add",),
     "calibrate": ("calibrate",),
     "next": ("propose",),
+    "hunt": ("judged",),
     # the plant in elements and inputs alone, as the common diagnosis takes it
     "common": ("PLANT",),
     "python": (

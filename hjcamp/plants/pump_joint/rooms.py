@@ -9,6 +9,7 @@ ROOMS = {
     "add": f"{HERE}.answers.add",
     "calibrate": f"{HERE}.answers.calibrate",
     "next": f"{HERE}.answers.propose",
+    "hunt": f"{HERE}.answers.hunt",
     "common": f"{HERE}.common",
     "python": f"{HERE}.answers.python",
     "tables": f"{HERE}.answers.tables",

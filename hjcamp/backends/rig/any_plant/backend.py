@@ -175,10 +175,10 @@ def compile_ahead(config: Mapping[str, Any]) -> None:
         pass
 
 
-def watches(config: Mapping[str, Any]) -> list[Watch]:
-    """Return the limits of a rig that a log can show."""
+def watches(config: Mapping[str, Any], reach: bool = False) -> list[Watch]:
+    """Return the limits of a rig that a log can show; with ``reach`` the ranges of its channels, too."""
     rig = rig_in(config)
-    return plant_watches(rig, wiring_of(rig, config), follows(config))
+    return plant_watches(rig, wiring_of(rig, config), follows(config), reach)
 
 
 def look_again(config: Mapping[str, Any], left: Any) -> str:

@@ -121,13 +121,13 @@ class PlantLimits:
         return given, f"{one.name} is clipped: {_with_unit(value, one)} asked, {there}"
 
 
-def plant_watches(rig: type[Rig] | Rig, wiring: Wiring, tracked: bool) -> list[Watch]:
-    """Return the limits that a log can show, for who looks on."""
+def plant_watches(rig: type[Rig] | Rig, wiring: Wiring, tracked: bool, reach: bool = False) -> list[Watch]:
+    """Return the limits that a log can show, for who looks on; with ``reach`` the ranges of the channels count as well."""
     found = []
     for one in limits_of(wiring):
         factor = one.wire.channel.sign * one.wire.scale / abs(one.wire.scale)
         term = Term(one.wire.field, factor * _per_field(one.wire))
-        low, high = (end if isfinite(end) else None for end in (one.low, one.high))
+        low, high = (end if isfinite(end) else None for end in (one.clipped if reach else (one.low, one.high)))
         if low is not None or high is not None:
             found.append(Watch(one.wire.field, one.wire.unit, (term,), low, high))
         if isfinite(one.fastest):

@@ -103,9 +103,6 @@ def work_of(words: Words, library: Mapping[str, Any], effort: str, seed: int, re
         bench = Bench(effects, _lines(words.fixed))
         return Work(words, rivals_by_name(words.rivals or [NOTHING, *library], library, bench.values), bench, words.fixed, None)
     evidence = evidence_of(words.paths)
-    metadata = evidence.tests[0].log.metadata
-    fixed = {group: metadata[group] for group in HARDWARE if metadata.get(group)} | words.fixed
-    highest = max(float(max(test.pressure1.max(), test.pressure2.max())) for test in evidence.tests) * 1e-6
     crew = Crew(words.workers or available())
     try:
         found = search(
@@ -119,8 +116,21 @@ def work_of(words: Words, library: Mapping[str, Any], effort: str, seed: int, re
         rivals = rivals_of(found, library, words.rivals)
     finally:
         crew.close()
+    return _work(found, rivals, words, effects) or found
+
+
+def work_after(found: Diagnosis, words: Words, library: Mapping[str, Any]) -> Work | None:
+    """Return the work to be done after a diagnosis that is at hand; None where its verdict leaves nothing to separate."""
+    return _work(found, rivals_of(found, library, words.rivals), words, tuple(library.values()))
+
+
+def _work(found: Diagnosis, rivals: list[Rival], words: Words, effects: tuple[Any, ...]) -> Work | None:
     if len(rivals) < 2:
-        return found
+        return None
+    tests = found.fitter.views.evidence.tests
+    metadata = tests[0].log.metadata
+    fixed = {group: metadata[group] for group in HARDWARE if metadata.get(group)} | words.fixed
+    highest = max(float(max(test.pressure1.max(), test.pressure2.max())) for test in tests) * 1e-6
     limit = None if "rig" in words.fixed else max(RIG_PRESSURE, highest)
     return Work(words, rivals, Bench(effects, _lines(fixed), found.scatter, limit), fixed, found)
 
