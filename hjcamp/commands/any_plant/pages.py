@@ -80,6 +80,8 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
         page.side_by_side([(said, pictures[name]) for name, said in CORRELATIONS.items() if name in pictures]),
         page.note(BAND + (REPEATED if analysis.measured.repeated else "")),
     ]
+    if where := words.where():
+        parts += [page.heading("Where the calibrated model fails"), page.bullets(where)]
     if worst := words.content["worst"]:
         parts += [page.heading("Worst conditions"), page.table_of(*worst_table(worst))]
     fitted_with = words.fitted_with

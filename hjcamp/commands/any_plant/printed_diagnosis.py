@@ -40,4 +40,5 @@ def print_diagnosis(console: Console, words: Words) -> None:
     whole = words.content["whole_tests"]
     table(console, CHANNELS, channel_table(words.content["channels"], whole))
     print_wrapped(console, [noise_floor_note(analysis), *([WHOLE_NOTE] if whole else [])], 8)
+    print_wrapped(console, words.where(), 8, "where")
     print_wrapped(console, words.worst(), 8, "worst")

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from hjcamp.diagnosis.calibration.analysis import Analysis
     from hjcamp.diagnosis.decision.verdict import Verdict
 
-SHOWN = 6
+SHOWN, PLACES = 6, 3
 TITLES = {
     "nothing_missing": "NOTHING MISSING",
     "effect": "EFFECT",
@@ -248,6 +248,14 @@ class Words:
             return []
         said = telling_tests(self.verdict.effects, self.content["unknowns"], self.analysis.search.library)
         return [f"Tests that would decide: {'; '.join(said)}."] if said else []
+
+    def where(self) -> list[str]:
+        """Where the calibrated model errs most above repeatability: the channel and the range."""
+        return [
+            f"{100.0 * row['share']:.0f} % of the error above repeatability: "
+            f"{row['variable']} of {row['subsystem'].replace('_', ' ')}, {row['bin']}"
+            for row in self.content["where"][:PLACES]
+        ]
 
     def worst(self) -> list[str]:
         """The conditions that err most with what was found."""

@@ -27,6 +27,7 @@ from hjcamp.diagnosis.results.channel_rows import (
 )
 from hjcamp.diagnosis.results.formula_rows import formula_rows
 from hjcamp.diagnosis.results.shares import held_out
+from hjcamp.diagnosis.results.where_rows import where_rows
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.base_values import DELAY
 
@@ -54,7 +55,7 @@ def answer(analysis: Analysis, verdict: Verdict, seconds: float) -> dict[str, An
         "calibration": calibration(analysis),
         "calibration_with_effects": calibration(analysis, model) if verdict.effects else {},
         "calibration_with_unknown": calibration(analysis, verdict.term) if verdict.term else {},
-        "where": [],
+        "where": where_rows(analysis),
         "worst": worst(analysis, model),
         "minimum_detectable": {},
         "law_left": float(np.clip(verdict.law_left, 0.0, 1.0)),

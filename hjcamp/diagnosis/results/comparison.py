@@ -17,6 +17,7 @@ from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled
 from hjcamp.diagnosis.estimation.likelihood import size
 from hjcamp.diagnosis.residuals.free_run import Whole, whole_error
 from hjcamp.diagnosis.results.channel_rows import end_rows, noise_floor_size, whole_row
+from hjcamp.diagnosis.results.where_rows import where_rows
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.declare.effect import Effect
 
@@ -148,6 +149,6 @@ def answer(found: Comparison) -> dict[str, Any]:
         models.append({"name": one.name, "tests": len(layout.measured.tests), "error": error, "score": _number(one.score)})
     return {
         "schema": "hjcamp.comparison/1", "plant": layout.measured.plant.name, "models": models[:-1], "calibrated": models[-1],
-        "window_s": layout.width * layout.measured.period, "floor_source": found.analysis.noise_floor.source, "where": [],
+        "window_s": layout.width * layout.measured.period, "floor_source": found.analysis.noise_floor.source, "where": where_rows(found.analysis),
         "ends": end_rows(layout),
     }  # fmt: skip
