@@ -149,6 +149,7 @@ def answer(found: Comparison) -> dict[str, Any]:
         models.append({"name": one.name, "tests": len(layout.measured.tests), "error": error, "score": _number(one.score)})
     return {
         "schema": "hjcamp.comparison/1", "plant": layout.measured.plant.name, "models": models[:-1], "calibrated": models[-1],
-        "window_s": layout.width * layout.measured.period, "floor_source": found.analysis.noise_floor.source, "where": where_rows(found.analysis),
+        "window_s": layout.width * layout.measured.period, "floor_source": found.analysis.noise_floor.source,
+        "where": where_rows(found.analysis),
         "ends": end_rows(layout),
     }  # fmt: skip

@@ -90,7 +90,8 @@ def _splits(analysis: Analysis) -> Iterator[_Split]:
         if np.ptp(np.sign(moved)) > 1.0:
             yield _Split((moved < 0.0).astype(np.int64), (f"{name} rises", f"{name} falls"))
     given = layout.inputs.reshape(len(layout.of_test), -1, layout.inputs.shape[1]).mean(axis=1)
-    for k, (name, item) in enumerate(measured.plant.inputs.items()):
+    known = [(name, item) for name, item in measured.plant.inputs.items() if name not in ("time", "direction")]
+    for k, (name, item) in enumerate(known):
         yield from _ranges(name.replace("_", " "), given[:, k], item.unit)
 
 
