@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.candidates.equivalence import equivalent_laws
-from hjcamp.diagnosis.choice.subsets import Blocks, Column, Ranked, best_settings, kept_by_blocks, pairs_of
+from hjcamp.diagnosis.choice.responses import Responses
+from hjcamp.diagnosis.choice.subsets import Ranked, best_settings, kept_by_blocks, pairs_of
 from hjcamp.diagnosis.estimation.likelihood import size
 from hjcamp.diagnosis.levels import DELTA
-from hjcamp.diagnosis.screening.screening import Probe, Projection
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.diagnosis.validation.kernel_regression import regression_of
 from hjcamp.model.declare.candidate import Candidate
@@ -50,6 +50,7 @@ class Models:
     def all(self) -> tuple[Model, ...]:
         """Every model that competes with the base."""
         fitted = self._fits(self._chosen)
+        fitted += self._second_look(fitted)
         every = frozenset(range(len(self.names)))
         return (*fitted, *(Model(one, every) for one in self._lawless([one.scored for one in fitted])))
 
@@ -70,49 +71,17 @@ class Models:
     # -- candidates, by their linear responses
 
     @cached_property
-    def _projection(self) -> Projection:
-        """The residuals of the base, white."""
-        return Projection(self.base.fitted)
-
-    @cached_property
-    def _probes(self) -> list[Probe]:
-        """The responses of every candidate relative to the base, at each setting of its shapes."""
-        search, fitted = self.search, self.base.fitted
-        search.windows.place = self.base.place
-        search.windows.kernels.hold(fitted.candidate.effects)
-        names = [one for one in (*self.library, *self.terms) if search.may_be_added(one, fitted.candidate.effects)]
-        search.windows.kernels.prepare(names)
-        search.probed_model(fitted)
-        found = search.each(
-            lambda name: search.probes(fitted, name), names, lambda name: f"responses of {name.replace('_', ' ')}"
-        )
-        return [probe for one in found for probe in one]
-
-    @cached_property
-    def _columns(self) -> list[Column]:
-        """The responses as white columns, with what is known of their amplitudes."""
-        white = self._projection.whitener
-        found = []
-        for k, probe in enumerate(self._probes):
-            free = self.terms.get(probe.effect)
-            known = float(probe.sizes[0] / free.usual) ** 2 if free else 0.0
-            responses = np.einsum("wfk,fg->wgk", probe.responses, white).reshape(-1, probe.responses.shape[2])
-            found.append(Column(probe.effect, k, responses, known, probe.one_sided))
-        return found
+    def _responses(self) -> Responses:
+        """The responses of every candidate relative to the base."""
+        able = [one for one in (*self.library, *self.terms) if self.search.may_be_added(one, self.base.names)]
+        return Responses(self.search, self.base, able)
 
     @cached_property
     def _chosen(self) -> dict[frozenset[str], frozenset[int]]:
         """The sets of candidates to fit, with the blocks without which each was chosen."""
-        columns, fitted, search = self._columns, self.base.fitted, self.search
-        free = [k for k, one in enumerate(fitted.free) if not one.bounded(fitted.candidate)]
-        white = self._projection.whitener
-        slopes = np.einsum("wfp,fg->wgp", fitted.slopes[:, :, free], white).reshape(-1, len(free))
-        residuals, d = (fitted.features @ white).ravel(), fitted.features.shape[1]
-        prior = np.diag([fitted.free[k].slope ** 2 for k in free]) if free else np.zeros((0, 0))
-        rows = np.searchsorted(self.names, np.repeat(self.blocks, d))
+        columns, moments, search = self._responses.columns, self._responses.moments, self.search
         named = [k for k, one in enumerate(columns) if one.name in self.library]
         terms = [k for k, one in enumerate(columns) if one.name in self.terms]
-        moments = Blocks(residuals, slopes, prior, columns, rows)
         singles, functions = moments.ranked([(k,) for k in named]), moments.ranked([(k,) for k in terms])
         best = best_settings(singles, columns, SETTINGS)
         pairs = moments.ranked(pairs_of(best, columns, lambda a, b: search.may_be_added(b, [*self.base.names, a])))
@@ -147,7 +116,7 @@ class Models:
         """Return a fit of every set of candidates, whatever its settings; none that remembers for no time that is shown."""
         search = self.search
         names = [next(iter(one)) for one in chosen if len(one) == 1]
-        ones = search.each(self._with_one, names, lambda name: f"fitting {name.replace('_', ' ')}")
+        ones = search.each(self._responses.fitted, names, lambda name: f"fitting {name.replace('_', ' ')}")
         single = {name: one for name, one in zip(names, ones, strict=True) if one is not None}
         # of what one candidate leaves less than delta a second one cannot explain delta
         whole = {name for name, one in single.items() if self._leaves_little(one)}
@@ -156,29 +125,57 @@ class Models:
             lambda own: self._with_several([single[name] for name in own]), sets, lambda own: f"fitting {' with '.join(own)}"
         )
         found = [(frozenset([name]), one) for name, one in single.items()] + list(zip(map(frozenset, sets), more, strict=True))
+        return [Model(one, chosen[own]) for own, one in found if self._admissible(one)]
+
+    def _second_look(self, first: Sequence[Model]) -> list[Model]:
+        """Return names in addition to the best one, where each of the first models leaves delta of the error above repeatability.
+
+        A curved law may look like nothing relative to the base, and be what is missing as well.
+        """
+        channels, base = self.analysis.channels, self.base
+        if np.all(channels.above(base.features) < self.delta * channels.excess(base.features)):
+            return []
+        if any(self._leaves_little(one.scored) for one in first):
+            return []
+        found: list[Model] = []
+        ones = [one.scored for one in first if len(one.scored.beyond(base)) == 1]
+        named = [one for one in ones if one.beyond(base)[0] in self.library]
+        best = min(named, key=lambda one: one.left_out, default=base)
+        if channels.share(best.features, base.features, base.features) >= self.delta:
+            found += self._in_addition(best, self._able(best, first))
+        # what acts only behind one that bends what arrives, another lag for example, was not able to stand by itself
+        bent = {name for one in found for name in one.scored.names if name in self.library}
+        for one in named:
+            if bent & set(one.beyond(base)):
+                alone = self._able(base, ())
+                found += self._in_addition(one, [name for name in self._able(one, found) if name not in alone])
+        return found
+
+    def _able(self, model: Scored, known: Sequence[Model]) -> list[str]:
+        """Return the names that may be added to a model and that no known one has with it."""
+        sets = [frozenset(one.scored.names) for one in known]
+        able = (one for one in self.library if self.search.may_be_added(one, model.names))
+        return [one for one in able if frozenset((*model.names, one)) not in sets]
+
+    def _in_addition(self, model: Scored, names: Sequence[str]) -> list[Model]:
+        """Return the fits of a model with those candidates that each block keeps, of all by their responses relative to it."""
+        responses = Responses(self.search, model, names)
+        columns = responses.columns
+        ranked = best_settings(responses.moments.ranked([(k,) for k in range(len(columns))]), columns, 1)
+        kept = {columns[one].name: blocks for (one,), blocks in kept_by_blocks(((ranked, FEW),), len(self.names)).items()}
+        fits = self.search.each(responses.fitted, list(kept), lambda name: f"fitting {name.replace('_', ' ')}")
         return [
-            Model(one, chosen[own])
-            for own, one in found
-            if np.isfinite(one.left_out) and not search.of_no_memory(one, self.base)
+            Model(one, frozenset(kept[name])) for name, one in zip(kept, fits, strict=True) if one and self._admissible(one)
         ]
+
+    def _admissible(self, model: Scored) -> bool:
+        """Whether a fit is finite, and remembers for a time that is shown where it remembers."""
+        return bool(np.isfinite(model.left_out)) and not self.search.of_no_memory(model, self.base)
 
     def _leaves_little(self, model: Scored) -> bool:
         """Whether a model leaves less than delta of the error above repeatability in every channel."""
         [left] = self.analysis.channels.left([model.features], self.base.features)
         return bool(np.all(left < self.delta))
-
-    def _with_one(self, name: str) -> Scored | None:
-        """Return the base with one candidate, from starts of its own."""
-        search = self.search.at(self.base.place)
-        effect = self.terms[name].effect if name in self.terms else self.library[name]
-        promises = [self._projection.promise(one, effect) for one in self._probes if one.effect == name]
-        if not promises:
-            return None
-        if name in self.terms:
-            begun = search.begun_unknown(self.base.fitted, promises[0])
-        else:
-            begun = search.begun(self._projection, name, promises)
-        return search.fitted(begun.candidate, begun) if np.isfinite(begun.loss) else None
 
     def _with_several(self, single: Sequence[Scored]) -> Scored:
         """Return the base with several candidates together, from the fits of each by itself, the best first."""

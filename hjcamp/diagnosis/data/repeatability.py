@@ -50,13 +50,13 @@ def repeatability_of(layout: Layout, features: Array, channels: Sequence[slice])
     """Return that of each channel (columns of features (windows, d)) of a calibrated model, no less than the sensors' noise.
 
     It is unsure by its one-sided interval at the level of all claims, over windows, and by the share of it that matters. Without
-    repetitions all of an error counts, and as much as a sensor's noise is unsure.
+    repetitions all of an error counts, and as much as a sensor's noise, and the share of it that matters, is unsure.
     """
     from scipy.special import stdtrit
 
     repeated = _of_repetitions(layout, features)
     if repeated is None:
-        return Repeatability(np.zeros(len(channels)), np.ones(len(channels)))
+        return Repeatability(np.zeros(len(channels)), np.full(len(channels), 1.0 + DELTA))
     each = np.stack([(repeated[:, one] ** 2).mean(axis=1) for one in channels], axis=1)
     squares = np.maximum(each.mean(axis=0), 1.0)
     half = stdtrit(len(each) - 1, 1.0 - LEVEL) * each.std(axis=0, ddof=1) / math.sqrt(len(each))
