@@ -37,7 +37,8 @@ WORDS: Mapping[str, str] = {
     "non-parametric term": "A function of one quantity, such as a force over position, given by fitted values at knots with "
     "straight lines in between; it competes with the named effects and is never named itself.",
     "drivers": "The measured quantities on which what is missing depends, the most likely one first.",
-    "law left": "The share of what the best model explains that the named effect's own law does not explain; 0 where its form is right (law_left in the answer for programs).",
+    "law left": "The share of what the best model explains that the named effect's own law does not explain; 0 where its form is "
+    "right (law_left in the answer for programs).",
     "candidate": "An effect that was fitted in addition to the calibrated model, with its parameters and what it explains.",
     "posterior weight": "How probable it is, from tests that it was not fitted to, that a model with an effect predicts better than "
     "one without; it may be near 1 of several effects, unless the weights of those that were weighed add up to 1.",
