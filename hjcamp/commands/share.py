@@ -16,15 +16,30 @@ def register(app: typer.Typer) -> None:
 def share(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="The run folder.")],
     output: Annotated[Path | None, typer.Option(help="The archive; RUN.zip here by default.")] = None,
+    mlflow: Annotated[
+        str | None,
+        typer.Option(help="Instead: into this MLflow store, sqlite:///FILE or an address (extra 'mlflow')."),
+    ] = None,
 ) -> None:
     """Write a run as one zip archive (an RO-Crate): plan, configuration, logs, tables, each with its digest.
 
-    Pages are left out, as what is received must not be a program: hjcamp report makes them again. hjcamp open ZIP unpacks it elsewhere.
+    --mlflow: parameters, means of the indicators, tables and page go into a tracking store, the same run once.
+
+    Of the archive pages are left out, as what is received must not be a program: hjcamp report makes them again. hjcamp open ZIP
+    unpacks it elsewhere.
     """
     from hjcamp.campaign.files.shared_run import share_run
     from hjcamp.errors import UsageError, counted
     from hjcamp.storage import check_place, shown_path
 
+    if mlflow is not None:
+        from hjcamp.campaign.files.mlflow_run import track
+
+        if output is not None:
+            raise UsageError("give --mlflow STORE or --output FILE.zip, not both")
+        identity, new = track(run, mlflow)
+        print(f"{mlflow}: run {identity}{'' if new else ', which was there already'}")
+        return
     name = run.resolve().name
     target = output or Path(f"{name}.zip")
     if target.suffix.lower() != ".zip":
