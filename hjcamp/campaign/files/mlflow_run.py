@@ -78,7 +78,7 @@ def _fill(client: Any, identity: str, run: Path) -> None:
 
 
 def _tags(manifest: dict[str, Any]) -> dict[str, str]:
-    made = next(iter(manifest["sessions"]), {})
+    made: dict[str, Any] = next(iter(manifest["sessions"]), {})
     known = {key: made.get(key) for key in ("version", "git", "started_at")}
     return {f"hjcamp.{key}": str(value) for key, value in known.items() if value}
 
