@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 # Moments this far apart are looked at twice, not one after the other.
 NEIGHBOURS = 10
 FEWEST_PAIRS = 300
+# Windows of which neighbours are looked for, evenly spread over more, and at once: memory grows with the windows, not their square.
+MOST_LOOKED_AT, AT_ONCE = 4000, 256
 FEWEST_REPEATED = 20
 MOTION_ORDERS = 3
 
@@ -163,16 +165,13 @@ def _of_neighbours(layout: Layout, features: Array) -> Array | None:
     count, d = len(motion), features.shape[1]
     if count < 4 * NEIGHBOURS or count * NEIGHBOURS < FEWEST_PAIRS:
         return None
-    apart = np.abs(np.arange(count)[:, None] - np.arange(count)[None, :]) > 1
-    size = np.sum(motion**2, axis=1)
-    between = np.maximum(size[:, None] + size[None, :] - 2.0 * motion @ motion.T, 0.0) / motion.shape[1]
-    squares = np.where(apart, between, np.inf)
-    order = np.argsort(squares, axis=1)[:, :NEIGHBOURS]
-    distance = np.take_along_axis(squares, order, axis=1).mean(axis=0)
+    rows = np.unique(np.linspace(0, count - 1, min(count, MOST_LOOKED_AT)).round().astype(np.int64))
+    parts = [_neighbours(motion, some) for some in np.array_split(rows, -(-len(rows) // AT_ONCE))]
+    order, distance = np.concatenate([one for one, _ in parts]), np.concatenate([one for _, one in parts]).mean(axis=0)
     halves = []
     for p in range(NEIGHBOURS):
-        difference = features - features[order[:, p]]
-        halves.append((0.5 * difference.T @ difference / count).ravel())
+        difference = features[rows] - features[order[:, p]]
+        halves.append((0.5 * difference.T @ difference / len(rows)).ravel())
     line = np.column_stack([np.ones(NEIGHBOURS), distance])
     intercept = np.linalg.lstsq(line, np.array(halves), rcond=None)[0][0].reshape(d, d)
     # within the nearest neighbours' own differences, in whose coordinates each part lies between 0 and 1
@@ -181,6 +180,20 @@ def _of_neighbours(layout: Layout, features: Array) -> Array | None:
     values, vectors = np.linalg.eigh(inside)
     part = root @ vectors
     return np.asarray((part * np.clip(values, 0.0, 1.0)) @ part.T)
+
+
+def _neighbours(motion: Array, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array]:
+    """Return the nearest neighbours of some rows of a motion (windows, m), the nearest first, and their squared distances (rows, p).
+
+    A window next to it is none.
+    """
+    size = np.sum(motion**2, axis=1)
+    squares = np.maximum(size[rows, None] + size[None, :] - 2.0 * motion[rows] @ motion.T, 0.0) / motion.shape[1]
+    squares[np.abs(rows[:, None] - np.arange(len(motion))[None, :]) <= 1] = np.inf
+    near = np.argpartition(squares, NEIGHBOURS, axis=1)[:, :NEIGHBOURS]
+    own = np.take_along_axis(squares, near, axis=1)
+    order = np.argsort(own, axis=1)
+    return np.take_along_axis(near, order, axis=1), np.take_along_axis(own, order, axis=1)
 
 
 def motion_of(layout: Layout, readings: Array) -> Array:

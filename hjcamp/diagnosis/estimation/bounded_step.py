@@ -21,8 +21,6 @@ def bounded_step(curvature: Array, downhill: Array, low: Array, high: Array) -> 
     move as is best with it; a step that is cut at the bound afterwards leads the others astray. Bounds are of the step, so that
     ``low`` is not above 0 and ``high`` not below (Stark & Parker 1995, Bounded-variable least-squares).
     """
-    from scipy.optimize import lsq_linear
-
     if not len(downhill) or not np.all(np.isfinite(curvature)) or not np.all(np.isfinite(downhill)):
         return np.zeros(len(downhill))
     # in units in which each parameter has the same curvature
@@ -35,5 +33,15 @@ def bounded_step(curvature: Array, downhill: Array, low: Array, high: Array) -> 
     free = most - least > 0.0
     found = np.zeros(len(downhill))
     if free.any():
-        found[free] = lsq_linear(rows[:, free], aims, (least[free], most[free]), method="bvls").x
+        found[free] = _within(rows[:, free], aims, least[free], most[free])
     return found / size
+
+
+def _within(rows: Array, aims: Array, least: Array, most: Array) -> Array:
+    """Return x (p,) with least squares of rows x - aims between ``least`` and ``most`` (p,); bounds are seldom met."""
+    found = np.asarray(np.linalg.lstsq(rows, aims, rcond=-1)[0])
+    if np.all((found >= least) & (found <= most)):
+        return found
+    from scipy.optimize import lsq_linear
+
+    return np.asarray(lsq_linear(rows, aims, (least, most), method="bvls").x)

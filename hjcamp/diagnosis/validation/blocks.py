@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from hjcamp.diagnosis.residuals.windows import Windows
 Array = NDArray[np.float64]
 FEWEST = 8
 MOST = 16
+# Of more conditions neighbours are left out together, so that the time grows with the samples and not with their square.
+MOST_LEFT_OUT = 2 * MOST
 # Of a step that makes worse what it should make better, a shorter one is tried, and in the end none is taken.
 SHARES = (1.0, 0.5, 0.25)
 
@@ -40,7 +43,7 @@ def blocks_of(layout: Layout) -> NDArray[np.int64]:
 
 
 def left_out(windows: Windows, fitted: Fitted, blocks: NDArray[np.int64]) -> Array:
-    """Return the features (windows, d) of each block by the fit of the others.
+    """Return the features (windows, d) of each block by the fit of the others; of very many blocks some are left out together.
 
     The parameters without a block are one Gauss-Newton step of the others' loss from those of all (approximate cross-validation;
     Beirami et al. 2017), a shorter one where the whole makes that loss larger; what they predict is simulated.
@@ -56,8 +59,7 @@ def left_out(windows: Windows, fitted: Fitted, blocks: NDArray[np.int64]) -> Arr
     # where the fit has not ended, each fit without a block has as far to go
     room = room_of(fitted.free, fitted.candidate)
     ahead = bounded_step(whole, -pull.sum(axis=0) - known, *room)
-    for block in np.unique(blocks):
-        out = blocks == block
+    for out in _together(blocks):
         step = bounded_step(whole - each[out].sum(axis=0), -pull[~out].sum(axis=0) - known, *room) - ahead
         least = whole_loss(fitted.features[~out], fitted.candidate, fitted.free)
         for share in SHARES:
@@ -68,6 +70,14 @@ def left_out(windows: Windows, fitted: Fitted, blocks: NDArray[np.int64]) -> Arr
                 features[out] = found[out]
                 break
     return features
+
+
+def _together(blocks: NDArray[np.int64]) -> Iterator[NDArray[np.bool_]]:
+    """Yield which windows (windows,) are left out together: a block, or neighbouring blocks where there are very many."""
+    names, place = np.unique(blocks, return_inverse=True)
+    groups = place * min(len(names), MOST_LEFT_OUT) // len(names)
+    for group in np.unique(groups):
+        yield groups == group
 
 
 def advantages(one: Array, other: Array, blocks: NDArray[np.int64]) -> Array:

@@ -20,6 +20,8 @@
   const number = (value) => (value == null ? "" : Math.abs(value) >= 1e5 || (value && Math.abs(value) < 1e-3)
     ? value.toExponential(2) : String(+value.toPrecision(4)));
 
+  const cursors = explorerCursors({ root, make, number, shade, changed: () => { marked(); address(); } });
+
   const reading = (value, unit) => `${number(+value.toPrecision(3))} ${unit}`;
 
   async function unpack(text) {
@@ -115,10 +117,19 @@
       width: size(), height, legend: { show: false }, scales: { x: { time: false } }, axes,
       cursor: { sync: { key: "explorer" }, drag: { x: true, y: false, setScale: false }, points: { size: 5 },
         bind: { dblclick: () => () => { zoom(null); return null; } } },
-      series: [{}, ...series], hooks: { draw: [lines], setCursor: [tell], setSelect: [selected] },
+      series: [{}, ...series], hooks: { draw: [lines, cursors.draw], setCursor: [tell], setSelect: [selected] },
     }, kind === "left" ? data(channel.name).left : data(channel.name).whole, holder);
-    made.of = { kind, channel: channel.name, holder };
+    made.of = { kind, channel: channel.name, holder, told: series.map((one) => one.told), between: make("div", holder, { class: "between" }) };
+    cursors.listen(made);
     plots.push(made);
+  }
+  function marked() {
+    for (const one of plots) {
+      const curves = one.of.told.flatMap((name, k) => (name && one.series[k + 1].show ? [{ name, values: one.data[k + 1] }] : []));
+      cursors.table(one.of.between, one, curves);
+      one.redraw(false);
+    }
+    cursors.press();
   }
 
   function build() {
@@ -173,6 +184,7 @@
       row.setAttribute("aria-selected", here);
       if (here) inView(row);
     }
+    marked();
     zoom(state.zoom);
   }
   function inView(row) {
@@ -190,6 +202,7 @@
     }
     for (const button of bar.querySelectorAll("[data-of]")) button.setAttribute("aria-pressed", !state.off.has(button.dataset.of));
     for (const button of bar.querySelectorAll("[data-channel]")) button.setAttribute("aria-pressed", state.channels.has(button.dataset.channel));
+    marked();
     address();
   }
   function toggle(name) {
@@ -257,6 +270,7 @@
     const near = make("span", bar, { class: "group" });
     for (const [text, said, act] of [["+", "zoom in", () => stretch(0.5)], ["−", "zoom out", () => stretch(2)], ["whole test", "whole test", () => zoom(null)]])
       make("button", near, { type: "button", "aria-label": said }, text).addEventListener("click", act);
+    cursors.controls(bar);
     const lines = make("span", bar, { class: "group", "aria-label": "curves" });
     toggles.filter((name) => name !== REPETITIONS || most > 0).forEach((name) => {
       const button = make("button", lines, { type: "button", "data-of": name });
@@ -284,12 +298,18 @@
     if (shown.length) show(shown[(here + by + shown.length) % shown.length]);
   }
 
-  // The address: #test=NAME&from=S&to=S&off=A,B&channels=A,B
+  function mark(which) {
+    const here = plots.find((one) => one.cursor.left >= 0 && one.cursor.idx != null);
+    if (here) cursors.place(here.data[0][here.cursor.idx], which);
+  }
+
+  // The address: #test=NAME&from=S&to=S&a=S&b=S&off=A,B&channels=A,B
   let written = "";
   function address() {
     if (!started) return;
     const parts = new URLSearchParams({ test: head.tests[state.test].name });
     if (state.zoom) { parts.set("from", number(state.zoom[0])); parts.set("to", number(state.zoom[1])); }
+    cursors.marks.forEach((mark, k) => { if (mark != null) parts.set("ab"[k], String(+mark.toPrecision(9))); });
     if (state.off.size || head.hidden.length) parts.set("off", [...state.off].join("|"));
     if (state.picked) parts.set("channels", [...state.channels].join("|"));
     written = `#${parts}`;
@@ -303,6 +323,7 @@
     if (test < 0) return false;
     const from = parseFloat(parts.get("from")), to = parseFloat(parts.get("to"));
     state.zoom = from < to ? [from, to] : null;
+    [..."ab"].forEach((name, k) => { cursors.marks[k] = Number.isFinite(parseFloat(parts.get(name))) ? parseFloat(parts.get(name)) : null; });
     if (parts.has("off")) state.off = new Set(split("off").filter((name) => toggles.includes(name)));
     const channels = split("channels").filter((name) => names.includes(name));
     if (channels.length) [state.channels, state.picked] = [new Set(channels), true];
@@ -322,7 +343,7 @@
   addEventListener("keydown", (event) => {
     if (/^(input|select|textarea)$/i.test(event.target.tagName) || event.ctrlKey || event.metaKey || event.altKey) return;
     const acts = { ArrowRight: () => step(1), ArrowLeft: () => step(-1), "+": () => stretch(0.5), "-": () => stretch(2), 0: () => zoom(null),
-      m: () => toggle(OBSERVED), r: () => toggle(REPETITIONS) };
+      a: () => mark(0), b: () => mark(1), Escape: () => cursors.clear(), m: () => toggle(OBSERVED), r: () => toggle(REPETITIONS) };
     head.models.slice(0, 9).forEach((name, k) => { acts[k + 1] = () => toggle(name); });
     if (acts[event.key]) { acts[event.key](); event.preventDefault(); }
   });

@@ -12,8 +12,9 @@ from hjcamp.report.pages.exploration import Exploration
 
 HERE = Path(__file__).parent
 KEYS = (
-    "Drag: zoom, double click: back. Keys: left and right arrow, other test; + and -, zoom; 0, whole test; "
-    "1 to 9, models; m, what was {observed}; r, repetitions."
+    "Drag: zoom, double click: back. Click: cursor A, then B, then the nearer of them moves; the tables below the plots say "
+    "what the points from A to B do. Keys: left and right arrow, other test; + and -, zoom; 0, whole test; "
+    "1 to 9, models; m, what was {observed}; r, repetitions; a and b, cursors at the pointer; Escape, none."
 )
 
 
@@ -37,6 +38,7 @@ def explorer_html(shown: Exploration, title: str = "Every test") -> str:
 <script type="application/json" id="explorer-head">{head}</script>
 <script type="text/plain" id="explorer-points">{shown.points()}</script>
 <script>{library("uPlot.iife.min.js")}</script>
+<script>{(HERE / "explorer_cursors.js").read_text(encoding="utf-8")}</script>
 <script>{(HERE / "explorer.js").read_text(encoding="utf-8")}</script>
 </section>
 """

@@ -64,3 +64,14 @@ def test_a_step_that_is_worse_for_the_others_is_not_taken(axis: Path, monkeypatc
     step: Any = blocks.bounded_step
     monkeypatch.setattr(blocks, "bounded_step", lambda *a: 1e4 * step(*a) + 3.0)
     assert np.array_equal(left_out(analysis.windows, fitted, of), fitted.features)
+
+
+@pytest.mark.parametrize("count", [1, 16, 30, 31, 32, 33, 40, 160, 640])
+def test_blocks_are_left_out_by_themselves_unless_they_are_very_many(count: int) -> None:
+    of = np.repeat(np.arange(count) * 3 + 1, 3)
+    groups = list(blocks._together(of))
+    assert len(groups) == min(count, blocks.MOST_LEFT_OUT)
+    assert np.array_equal(np.sum(groups, axis=0), np.ones(len(of)))  # each window once
+    for out in groups:
+        assert {int(np.sum(out & (of == one))) for one in np.unique(of[out])} == {3}  # no block is cut
+        assert out.sum() <= 3 * -(-count // len(groups))

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import polars
 import pytest
 
 from hjcamp.errors import UsageError
@@ -153,6 +154,59 @@ def test_a_drag_zooms_every_plot_and_a_deep_link_leads_back(page: Any) -> None:
     assert "from=0.1&to=0.2" in address(page)
     page.keyboard.press("0")
     assert "from" not in address(page)
+
+
+def click_at(page: Any, seconds: float, plot: int = 0) -> None:
+    box = page.locator(".u-over").nth(plot).bounding_box()
+    page.mouse.click(box["x"] + box["width"] * seconds / TIME[-1], box["y"] + 30)
+
+
+def test_two_cursors_say_what_the_points_between_them_do(page: Any) -> None:
+    open_at(page, "#test=sweep%2F2&off=second|without drag")
+    assert page.locator(".between td").count() == 0
+    click_at(page, 0.6)
+    click_at(page, 0.2)
+    parts = dict(part.split("=") for part in address(page).lstrip("#").split("&"))
+    assert float(parts["a"]) == pytest.approx(0.6, abs=0.01) and float(parts["b"]) == pytest.approx(0.2, abs=0.01)
+    a, b = (round(1e3 * float(parts[name])) for name in "ab")
+    shown = cart()
+    seen, first = (decoded(shown, 1, "position_m", model) for model in (-1, 0))
+    curves = {".between >> nth=0": (seen, first), ".between >> nth=1": (first - seen,)}
+    for place, columns in curves.items():
+        rows = page.locator(f"{place} >> tbody tr").all()
+        assert len(rows) == len(columns)
+        for row, values in zip(rows, columns, strict=True):
+            part = polars.Series(values)[b : a + 1]
+            expected = {
+                "a": values[a],
+                "b": values[b],
+                "difference": values[b] - values[a],
+                "slope": (values[b] - values[a]) / (TIME[b] - TIME[a]),
+                "mean": part.mean(),
+                "rms": (part**2).mean() ** 0.5,
+            }
+            for name, value in expected.items():
+                assert float(row.locator(f"[data-of={name}]").get_attribute("data-value")) == pytest.approx(
+                    value, rel=1e-9, abs=1e-9
+                )
+    # a third click moves the nearer one; a link leads back; Escape takes both away
+    click_at(page, 0.7)
+    assert "&b=" in address(page) and float(address(page).split("&a=")[1].split("&")[0]) == pytest.approx(0.7, abs=0.01)
+    open_at(page, "#test=sweep%2F1&a=0.1&b=0.3")
+    assert page.locator(".between >> nth=0 >> thead th").all_inner_texts()[1:3] == ["A 0.1 s", "B 0.3 s"]
+    page.keyboard.press("Escape")
+    assert page.locator(".between td").count() == 0 and "a=" not in address(page)
+    # a drag zooms, and sets none
+    box = page.locator(".u-over").first.bounding_box()
+    page.mouse.move(box["x"] + 100, box["y"] + 40)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 300, box["y"] + 40, steps=4)
+    page.mouse.up()
+    assert "from=" in address(page) and "a=" not in address(page)
+    page.click("button[data-cursor=B]")
+    click_at(page, 0.5)
+    assert "&b=" in address(page) and "&a=" not in address(page)
+    assert not page.faults
 
 
 def test_errors_have_the_unit_of_their_channel(page: Any) -> None:
