@@ -16,7 +16,7 @@ from hjcamp.diagnosis.levels import DELTA
 from hjcamp.diagnosis.results.answer import removed
 from hjcamp.diagnosis.results.calibration_rows import calibration
 from hjcamp.diagnosis.results.channel_rows import channel_rows, end_rows, noise_floor_size, whole_rows
-from hjcamp.diagnosis.results.shares import held_out
+from hjcamp.diagnosis.validation.shares import held_out
 from hjcamp.diagnosis.screening.screening import Projection
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.candidate import Candidate

@@ -26,7 +26,7 @@ from hjcamp.diagnosis.results.channel_rows import (
     worst,
 )
 from hjcamp.diagnosis.results.formula_rows import formula_rows
-from hjcamp.diagnosis.results.shares import held_out
+from hjcamp.diagnosis.validation.shares import held_out
 from hjcamp.diagnosis.results.where_rows import where_rows
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.base_values import DELAY

@@ -12,7 +12,7 @@ from hjcamp.diagnosis.decision.effect_size import functional
 from hjcamp.diagnosis.decision.free_curve import curve_of, knots_of
 from hjcamp.diagnosis.decision.verdict import Verdict
 from hjcamp.diagnosis.estimation.intervals import Interval, intervals
-from hjcamp.diagnosis.results.shares import left_above, rms_ratio
+from hjcamp.diagnosis.validation.shares import left_above, rms_ratio
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.diagnosis.validation.blocks import advantages, chance_of_t, critical
 

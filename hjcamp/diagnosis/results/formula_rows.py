@@ -18,7 +18,7 @@ from hjcamp.diagnosis.decision.verdict import Verdict
 from hjcamp.diagnosis.estimation.intervals import covariance_of
 from hjcamp.diagnosis.estimation.likelihood import size
 from hjcamp.diagnosis.levels import LEVEL, NO_FORMULA
-from hjcamp.diagnosis.results.shares import left_above, rms_ratio
+from hjcamp.diagnosis.validation.shares import left_above, rms_ratio
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.effects._forms import FORMS, unit_of
 

@@ -10,7 +10,7 @@ import pytest
 
 from hjcamp.diagnosis.data.repeatability import NoiseFloor, repeatability_of
 from hjcamp.diagnosis.levels import DELTA
-from hjcamp.diagnosis.results.shares import left_above, left_of, share_of
+from hjcamp.diagnosis.validation.shares import left_above, left_of, share_of
 from hjcamp.diagnosis.validation.channels import Channels
 
 WINDOWS, SIZE, TESTS = 60, 3, 3

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.diagnosis.levels import DELTA
-from hjcamp.diagnosis.results.shares import left_of
+from hjcamp.diagnosis.validation.shares import left_of
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.report.wording.units import plain, told, told_estimate, told_interval, told_like
 
