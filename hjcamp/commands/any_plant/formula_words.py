@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from hjcamp.diagnosis.validation.shares import left_of, share_of
+from hjcamp.diagnosis.calibration.shares import left_of, share_of
 from hjcamp.effects._forms import FORMS
 from hjcamp.report.wording.units import plain, told, told_error
 

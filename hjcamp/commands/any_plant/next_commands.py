@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hjcamp.commands.any_plant.verdict_words import Words
-from hjcamp.diagnosis.validation.shares import left_of
+from hjcamp.diagnosis.calibration.shares import left_of
 
 
 def next_commands(words: Words, paths: str, model: str, folder: str = "diagnose") -> list[str]:

@@ -28,7 +28,7 @@ from hjcamp.commands.any_plant.words import (
     end_words,
     still_words,
 )
-from hjcamp.diagnosis.validation.shares import left_of, share_of
+from hjcamp.diagnosis.calibration.shares import left_of, share_of
 from hjcamp.report.wording.repeatability import worst_words
 from hjcamp.report.wording.units import plain, told_estimate, told_interval
 

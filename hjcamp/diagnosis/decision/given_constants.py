@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.calibration.shares import held_out
 from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, Free, settled
 from hjcamp.diagnosis.estimation.intervals import Interval, intervals
 from hjcamp.diagnosis.levels import MOST_OF_IT
-from hjcamp.diagnosis.validation.shares import held_out
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.plant import Plant
 

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.calibration.shares import held_out, squares_of
 from hjcamp.diagnosis.calibration.sufficiency import what_lacks
 from hjcamp.diagnosis.choice.comparison_of_models import confidence_set, nested_choice, not_worse
 from hjcamp.diagnosis.choice.models import MOTION, Models
 from hjcamp.diagnosis.decision.by_condition import Differs, differs_by_condition
 from hjcamp.diagnosis.decision.periodic_disturbance import Swing, swing_of
 from hjcamp.diagnosis.levels import ALPHA, DELTA
-from hjcamp.diagnosis.validation.shares import held_out, squares_of
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.diagnosis.validation.blocks import advantages, chance_of_t, discrimination, ratio_t
 from hjcamp.errors import plain

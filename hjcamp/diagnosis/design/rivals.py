@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.calibration.shares import left_of
 from hjcamp.diagnosis.decision.verdict import CANNOT_TELL, EFFECT, NOTHING, ONE_OF
 from hjcamp.diagnosis.design.draws import draws
 from hjcamp.diagnosis.levels import DELTA
-from hjcamp.diagnosis.validation.shares import left_of
 from hjcamp.diagnosis.screening.screening import Projection
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.errors import UsageError, unknown

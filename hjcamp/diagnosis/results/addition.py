@@ -9,6 +9,7 @@ from typing import Any
 from hjcamp.configuration.saved_model import log_hashes
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.calibration.contact_compliance import forms_among
+from hjcamp.diagnosis.calibration.shares import held_out
 from hjcamp.diagnosis.data.repeatability import not_above
 from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.estimation.intervals import intervals
@@ -16,7 +17,6 @@ from hjcamp.diagnosis.levels import DELTA
 from hjcamp.diagnosis.results.answer import removed
 from hjcamp.diagnosis.results.calibration_rows import calibration
 from hjcamp.diagnosis.results.channel_rows import channel_rows, end_rows, noise_floor_size, whole_rows
-from hjcamp.diagnosis.validation.shares import held_out
 from hjcamp.diagnosis.screening.screening import Projection
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.candidate import Candidate

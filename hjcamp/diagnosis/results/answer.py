@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.calibration.shares import held_out
 from hjcamp.diagnosis.decision.by_condition import Differs
 from hjcamp.diagnosis.decision.given_constants import Constant, constants_otherwise
 from hjcamp.diagnosis.decision.leading_regressors import leading
@@ -26,7 +27,6 @@ from hjcamp.diagnosis.results.channel_rows import (
     worst,
 )
 from hjcamp.diagnosis.results.formula_rows import formula_rows
-from hjcamp.diagnosis.validation.shares import held_out
 from hjcamp.diagnosis.results.where_rows import where_rows
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.base_values import DELAY

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.calibration.shares import left_above, rms_ratio
 from hjcamp.diagnosis.decision.effect_size import functional
 from hjcamp.diagnosis.decision.free_curve import curve_of, knots_of
 from hjcamp.diagnosis.decision.verdict import Verdict
 from hjcamp.diagnosis.estimation.intervals import Interval, intervals
-from hjcamp.diagnosis.validation.shares import left_above, rms_ratio
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.diagnosis.validation.blocks import advantages, chance_of_t, critical
 

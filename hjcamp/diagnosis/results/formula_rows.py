@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
+from hjcamp.diagnosis.calibration.shares import left_above, rms_ratio
 from hjcamp.diagnosis.candidates.nonparametric_laws import ENDS
 from hjcamp.diagnosis.candidates.nonparametric_terms import Unknown
 from hjcamp.diagnosis.decision.formulas import Curve, Found, formulas_of, proposed
@@ -18,7 +19,6 @@ from hjcamp.diagnosis.decision.verdict import Verdict
 from hjcamp.diagnosis.estimation.intervals import covariance_of
 from hjcamp.diagnosis.estimation.likelihood import size
 from hjcamp.diagnosis.levels import LEVEL, NO_FORMULA
-from hjcamp.diagnosis.validation.shares import left_above, rms_ratio
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.effects._forms import FORMS, unit_of
 

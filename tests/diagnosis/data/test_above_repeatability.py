@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hjcamp.diagnosis.calibration.shares import left_above, left_of, share_of
 from hjcamp.diagnosis.data.repeatability import NoiseFloor, repeatability_of
 from hjcamp.diagnosis.levels import DELTA
-from hjcamp.diagnosis.validation.shares import left_above, left_of, share_of
 from hjcamp.diagnosis.validation.channels import Channels
 
 WINDOWS, SIZE, TESTS = 60, 3, 3

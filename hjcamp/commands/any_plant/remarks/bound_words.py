@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from hjcamp.diagnosis.validation.shares import left_of
+from hjcamp.diagnosis.calibration.shares import left_of
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.report.wording.units import plain, told
 

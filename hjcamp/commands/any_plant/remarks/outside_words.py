@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.diagnosis.calibration.shares import left_of
 from hjcamp.diagnosis.levels import DELTA
-from hjcamp.diagnosis.validation.shares import left_of
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.report.wording.units import plain, told, told_estimate, told_interval, told_like
 
