@@ -46,7 +46,7 @@ class Responses:
         """The second moments of the model's residuals, the slopes of its free parameters and the columns, by block."""
         fitted, white = self.model.fitted, self.projection.whitener
         free = [k for k, one in enumerate(fitted.free) if not one.bounded(fitted.candidate)]
-        slopes = np.einsum("wfp,fg->wgp", fitted.slopes[:, :, free], white).reshape(-1, len(free))
+        slopes = np.einsum("wfp,fg->wgp", fitted.slopes[:, :, free], white).reshape(fitted.features.size, len(free))
         residuals, d = (fitted.features @ white).ravel(), fitted.features.shape[1]
         prior = np.diag([fitted.free[k].slope ** 2 for k in free]) if free else np.zeros((0, 0))
         rows = np.unique(np.repeat(self.search.blocks, d), return_inverse=True)[1]
