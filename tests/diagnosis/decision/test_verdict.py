@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from toys import BLOCKS, Toy
+from toys import BLOCKS, Toy, search_of
 
 from hjcamp.diagnosis.data.repeatability import Repeatability
 from hjcamp.diagnosis.decision import verdict
@@ -153,7 +153,7 @@ def test_nothing_is_said_of_a_base_that_a_bound_holds_with_what_was_found_too(
     models.analysis.held = ("mass",)
     for one in models.all if stays else ():
         one.scored.fitted.free, one.scored.fitted.candidate = models.base.fitted.free, models.base.fitted.candidate
-    monkeypatch.setattr(verdict, "Models", lambda analysis: models)
+    monkeypatch.setattr(verdict, "Models", lambda analysis, delta: models)
     found = decided(models.analysis)
     assert (found.word, found.effects) == (word, () if stays else ("effect_0",))
     assert not stays or found.lacking[-1].startswith("mass was driven to its bound, far from what is declared")
@@ -180,7 +180,7 @@ def stored(name: str) -> Any:
         blocks=kept["blocks"],
         names=np.unique(kept["blocks"]),
         terms=terms,
-        search=SimpleNamespace(seed=1),
+        search=search_of(kept["blocks"]),
         all=tuple(SimpleNamespace(scored=one, blocks=own) for one, own in zip(fits[1:], chosen, strict=True)),
         named=[one for one in ones if one.names[0] not in terms],
         non_parametric=[one for one in ones if one.names[0] in terms],

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hjcamp.diagnosis.data.repeatability import repeatability_of
 from hjcamp.diagnosis.selection.scored import Scored
+from hjcamp.diagnosis.selection.search import Search
 from hjcamp.diagnosis.validation.channels import Channels
 from hjcamp.model.declare.candidate import Candidate
 
@@ -48,7 +49,7 @@ class Toy:
         layout: Any = SimpleNamespace(measured=measured, of_test=of_test)
         columns = (slice(0, SIZE // 2), slice(SIZE // 2, SIZE))
         channels = Channels(("one", "two"), columns, repeatability_of(layout, self.features, columns))
-        windows, search = SimpleNamespace(layout=layout), SimpleNamespace(seed=1)
+        windows, search = SimpleNamespace(layout=layout), search_of(self.blocks)
         analysis = SimpleNamespace(channels=channels, measured=measured, windows=windows, base=base, held=())
         number = frozenset(range(BLOCKS))
         return SimpleNamespace(
@@ -84,3 +85,10 @@ class Toy:
 def _of_one(fits: Sequence[Scored], among: Mapping[str, Array]) -> list[Scored]:
     own = [one for one in fits if len(one.names) == 1 and one.names[0] in among]
     return sorted(own, key=lambda one: one.left_out)
+
+
+def search_of(blocks: NDArray[np.int64]) -> Search:
+    """Return what compares two models over blocks (windows,)."""
+    search = Search.__new__(Search)
+    search.blocks, search.seed = blocks, 1
+    return search
