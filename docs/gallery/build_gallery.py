@@ -46,7 +46,7 @@ CASES = (
         "effect",
         "An effect is missing",
         "Air brakes the spindle with the square of its speed; the file of its equations knows dry and viscous friction only.",
-        "One effect predicts windows that it was not fitted to better than all others, and no more is left than the sensor's noise. "
+        "One effect explains all of the error in windows that it was not fitted to: no more is left than the sensor's noise. "
         "The friction of the bearing, which had taken the place of the drag, gets its true values.",
         "`hjcamp add quadratic_drag LOGS --as NAME` writes a model with it; compare that on a recording that was kept out.",
         ("train_1", "train_2"),
@@ -69,10 +69,9 @@ CASES = (
         "one_of_outside",
         "One of several effects, and something outside the library",
         "A belt pulls the spindle one way, harder at some speeds than at others. No effect of the library pulls like that.",
-        "What pulls one way has two names, as before, and neither has quite the form: a part of the error remains that follows from "
-        "the speed. The answer names both effects, says how much a function without any form still explains, and draws it.",
-        "`hjcamp effects new belt --from diagnose` writes an effect with what is missing in addition; a rest in a recording would "
-        "decide between the two names.",
+        "What pulls one way has two names, as before, and neither has quite the form. Both explain nearly all of the error, so they are "
+        "the answer; how much more the best model of all explains is said, and that the sensor's noise is not reached.",
+        "A repeated test would show whether what is left is scatter; a rest in a recording would decide between the two names.",
         ("belt_1", "belt_2"),
         "worst_test.svg",
         "The worst recording: the error with the constants estimated, and with what was found.",
@@ -93,8 +92,8 @@ CASES = (
         "nothing",
         "Nothing is missing",
         "The spindle is what the file says, but for the values of its constants.",
-        "No effect and no free function gains more than chance does, on folds that were left out. That is a finding: the "
-        "error is the sensor's noise.",
+        "No effect, no pair of effects and no free function explains a tenth of what lies above the sensor's noise, on folds that were "
+        "left out. That is a finding: the error is the sensor's noise.",
         "Use the constants that were estimated: `hjcamp calibrate LOGS --as NAME`.",
         ("plain_1", "plain_2"),
         "worst_test.svg",
