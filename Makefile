@@ -108,6 +108,7 @@ bench: $(WARM)
 	$(BIN)/python benchmarks/speed/bench.py
 	$(BIN)/python benchmarks/speed/loop_timing.py
 	$(BIN)/python benchmarks/speed/live_timing.py
+	$(BIN)/python benchmarks/speed/plant_timing.py
 
 benchmark: $(WARM)
 	$(BIN)/python -m benchmarks.hidden_effects --size full --effort standard --workers 2 --shift 700000 --page docs/benchmark.md
@@ -168,7 +169,7 @@ faults: $(WARM) $(TESTABLE)
 	$(BIN)/python tests/rig/write_fault_table.py
 
 kills: $(WARM)
-	$(BIN)/python tests/rig/kill_campaign.py 200
+	$(BIN)/python tests/rig/kill_campaign.py 300
 
 damage: $(WARM)
 	$(BIN)/python tests/records/damage_many_logs.py 10000

@@ -12,6 +12,7 @@ import sys
 import tempfile
 import threading
 import urllib.request
+from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -37,11 +38,8 @@ def read_events(address: str, counts: list[int]) -> None:
         counts.append(sum(line.startswith(b'data: {"kind": "rows"') for line in answer))
 
 
-def one_test(config: dict, folder: Path, live: bool) -> tuple[np.ndarray, np.ndarray, list[int]]:
-    """Make one test; return own work and processor time of each cycle (ns), and the events that each browser got."""
-    MOMENTS.clear()
-    WRITES.clear()
-    rig_connection.in_process_channel().device.hidden = HIDDEN
+def followed(run: Callable[[], object], config: dict, folder: Path, live: bool, **metadata: str) -> list[int]:
+    """Make one test, recorded in ``folder``, with or without the page; return the events that each browser got."""
     said: list[str] = []
     counts: list[int] = []
     readers = []
@@ -55,12 +53,21 @@ def one_test(config: dict, folder: Path, live: bool) -> tuple[np.ndarray, np.nda
             feed.run("live_timing", folder, {"one": config}, {"one": 1}, {})
             look = feed.look("one/rep_01", "one")
         path = folder / "rep_01.mcap"
-        with recording(path, lambda name, names: LogWriter(name, names, {}, {}, replace=True), look=look):
-            backends.run_test(config, 1)
+        with recording(path, lambda name, names: LogWriter(name, names, metadata, {}, replace=True), look=look):
+            run()
         if feed is not None:
             feed.say("complete", "")
     for reader in readers:
         reader.join()
+    return counts
+
+
+def one_test(config: dict, folder: Path, live: bool) -> tuple[np.ndarray, np.ndarray, list[int]]:
+    """Make one test; return own work and processor time of each cycle (ns), and the events that each browser got."""
+    MOMENTS.clear()
+    WRITES.clear()
+    rig_connection.in_process_channel().device.hidden = HIDDEN
+    counts = followed(lambda: backends.run_test(config, 1), config, folder, live)
     n = min(len(MOMENTS) - 1, len(WRITES))
     reads, writes = np.array(MOMENTS[: n + 1]), np.array(WRITES[:n])
     own = (writes[:, 0] - reads[:n, 2]) + (reads[1:, 0] - writes[:, 1])

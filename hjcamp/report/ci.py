@@ -48,7 +48,7 @@ def junit_xml(suite: str, cells: pl.DataFrame, violations: Sequence[Violation], 
     place = ElementTree.SubElement(
         root,
         "testsuite",
-        name=_clean(suite),
+        name=clean(suite),
         tests=str(len(means)),
         failures=str(len(violations)),
         errors="0",
@@ -56,12 +56,12 @@ def junit_xml(suite: str, cells: pl.DataFrame, violations: Sequence[Violation], 
     )
     for (condition, indicator), rows in means.items():
         case = ElementTree.SubElement(
-            place, "testcase", classname=_clean(f"{suite}.{indicator}"), name=_clean(f"{condition} {indicator}"), time="0"
+            place, "testcase", classname=clean(f"{suite}.{indicator}"), name=clean(f"{condition} {indicator}"), time="0"
         )
         properties = ElementTree.SubElement(case, "properties")
-        ElementTree.SubElement(properties, "property", name="tables", value=_clean(tables_of(rows)))
+        ElementTree.SubElement(properties, "property", name="tables", value=clean(tables_of(rows)))
         if said := outside.get((condition, indicator)):
-            ElementTree.SubElement(case, "failure", message=_clean(said)).text = _clean(said)
+            ElementTree.SubElement(case, "failure", message=clean(said)).text = clean(said)
     ElementTree.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
@@ -105,5 +105,6 @@ def params_yaml(plan: Mapping[str, Any]) -> str:
     return str(yaml.safe_dump(json.loads(json.dumps({**kept, "conditions": conditions}, default=str)), sort_keys=False))
 
 
-def _clean(text: str) -> str:
+def clean(text: str) -> str:
+    """Return a text without what XML cannot hold."""
     return NOT_IN_XML.sub("?", text)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from conftest import Call
 
 #: They act, and say on the way how it goes, or where a page is, or print JSON themselves: nothing is asked of them.
-SILENT = {"open", "resume", "rig serve", "run", "schema", "share", "tour"}
+SILENT = {"open", "repository", "resume", "rig serve", "run", "schema", "share", "tour"}
 HELP = "Write the answer for programs to this file; - is standard output."
 
 

@@ -28,7 +28,11 @@ TEST = (
 WHEN = {"rest": 15, "command": 70, "after": 130}
 WATCHDOG = 50  # samples
 RATE = 0.1
-DEADLINE_S = 0.5
+# Of a call that gets no answer; where one comes it may be late on a busy computer, and that is not what is looked at.
+DEADLINE_S, PATIENCE_S = 0.5, 30.0
+UNANSWERED = ("late", "silent", "refuses")
+#: A row is made again, so often at most, where the client was too late for the watchdog before the fault came.
+TRIES = 5
 
 
 @dataclass(frozen=True)
@@ -90,24 +94,34 @@ class Row:
 
 def make_row(case: Case, when: str, config: Mapping[str, Any], folder: Path) -> Row:
     """Make one test with the fault, and look at the device's own record."""
+    for _ in range(TRIES):
+        row, disturbed = _made_row(case, when, config, folder)
+        if not disturbed:
+            break
+    return row
+
+
+def _made_row(case: Case, when: str, config: Mapping[str, Any], folder: Path) -> tuple[Row, bool]:
+    """Return a row, and whether the watchdog tripped before the fault came."""
     at = WHEN[when]
     faults = [Fault(case.kind, at)] if case.kind else []
     device = VirtualDevice(config, faults, RATE if case.real else None, WATCHDOG * 1e-3, "secret")
     line = Served(device, pty=True)
     try:
         with ticket(line):
-            code, message = _signalled(case, at, config, device, folder) if case.signal else _run(config)
+            code, message = _signalled(case, at, config, device, folder) if case.signal else _run(case, config)
         until = time.monotonic() + 5.0
         while device.outputs != device.safe and time.monotonic() < until:
             time.sleep(0.01)
-        return Row(case, when, _samples_until_safe(device, at), code, message)
+        disturbed = any(there < at for _, there in device.trips)
+        return Row(case, when, _samples_until_safe(device, at), code, message), disturbed
     finally:
         line.close()
 
 
-def _run(config: Mapping[str, Any]) -> tuple[int, str]:
+def _run(case: Case, config: Mapping[str, Any]) -> tuple[int, str]:
     rig: Any = served(config)
-    type(rig).deadline_s = DEADLINE_S
+    type(rig).deadline_s = DEADLINE_S if case.kind in UNANSWERED else PATIENCE_S
     try:
         run_on(rig, config, 1)
     except RigStopped as error:
@@ -122,6 +136,8 @@ def _signalled(case: Case, at: int, config: Mapping[str, Any], device: VirtualDe
     client = subprocess.Popen([sys.executable, "-c", CLIENT, str(file)], stdout=subprocess.PIPE, text=True, env=environment)
     until = time.monotonic() + 60.0
     while not (device.tests > 0 and device.last_write is not None and device.sample >= at) and time.monotonic() < until:
+        if device.trips:
+            break  # too late for the watchdog: the row is made again
         time.sleep(0.002)
     client.send_signal(case.signal)
     if case.signal == signal.SIGSTOP:

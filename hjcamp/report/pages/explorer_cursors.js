@@ -26,6 +26,7 @@ function explorerCursors({ root, make, number, shade, changed }) {
     if (a == null || b == null) return found;
     if (found.a != null && found.b != null) {
       found.difference = found.b - found.a;
+      if (Math.abs(found.difference) < 1e-12 * Math.abs(found.a)) found.difference = 0;  // what rounding does
       if (a !== b) found.slope = found.difference / (time[b] - time[a]);
     }
     const some = values.slice(Math.min(a, b), Math.max(a, b) + 1).filter((value) => value != null);
@@ -50,6 +51,7 @@ function explorerCursors({ root, make, number, shade, changed }) {
       ctx.moveTo(at, bbox.top);
       ctx.lineTo(at, bbox.top + bbox.height);
       ctx.stroke();
+      ctx.textAlign = "left";
       ctx.fillText(names[k], at + 3 * devicePixelRatio, bbox.top + 11 * devicePixelRatio);
     });
     ctx.restore();
@@ -63,7 +65,7 @@ function explorerCursors({ root, make, number, shade, changed }) {
     const times = marks.map((mark) => (mark == null ? "" : ` ${number(u.data[0][nearest(u.data[0], mark)])} s`));
     for (const name of ["", `A${times[0]}`, `B${times[1]}`, "B − A", "per s", "mean", "rms"]) make("th", top, { scope: "col" }, name);
     const body = make("tbody", whole);
-    for (const { name, values } of curves) {
+    for (const { name, values } of curves.filter((one) => one.values.some((value) => value != null))) {
       const row = make("tr", body), found = between(u.data[0], values);
       make("th", row, { scope: "row" }, name);
       for (const key of ["a", "b", "difference", "slope", "mean", "rms"])
