@@ -45,8 +45,9 @@ def where_rows(analysis: Analysis) -> list[dict[str, Any]]:
         best = max(splits, key=lambda one: _explained(squares[:, k], one.of_window), default=None)
         found = _rows(squares[:, k], best) if best else []
         weight = float(above[k] / above.sum())
-        quantity = channels.names[k]
-        balance = k >= len(analysis.measured.sensors)
+        sensors = analysis.measured.sensors
+        balance = k >= len(sensors)
+        quantity = channels.names[k] if balance else sensors[k].quantity
         rows += [
             {"subsystem": quantity, "variable": "balance" if balance else "prediction", **row, "share": weight * row["share"]}
             for row in found

@@ -41,7 +41,7 @@ def test_the_range_of_a_reading_in_which_a_channel_errs_is_named(channel: int) -
     far = position > 0.03
     features[far, channel * ORDERS : (channel + 1) * ORDERS] *= 6.0
     [row] = where_rows(analysis_of(features, {"a": [0, 1]}, position))  # type: ignore[arg-type]
-    assert row["subsystem"] == ("position_mm", "velocity")[channel] and row["variable"] == ("prediction", "balance")[channel]
+    assert row["subsystem"] == ("position", "velocity")[channel] and row["variable"] == ("prediction", "balance")[channel]
     assert row["bin"].startswith("position 2") or row["bin"].startswith("position 3")
     assert row["share"] == pytest.approx(1.0, abs=0.1) and row["z"] > 5.0
 
