@@ -65,6 +65,7 @@ class Balances:
     balanced: tuple[Balance, ...] = ()
     scale: Array = field(default_factory=lambda: np.ones(1))
     usual: Array = field(default_factory=lambda: np.zeros(1))
+    simulated: Array = field(default_factory=lambda: np.zeros(1))
 
     @classmethod
     def of(
@@ -81,13 +82,15 @@ class Balances:
         found.balanced = tuple(found._able(base, seen))
         if not found.balanced:
             return None
-        found.usual, found.scale = found._chance(base, predicted)
+        found.usual, found.scale, found.simulated = found._chance(base, predicted)
         return found
 
     def features(self, candidate: Candidate, predicted: Predicted | None = None) -> Array:
         """Return the balances (windows, features) less what they are where nothing is missing, in units of their noise."""
         raw = self._raw(candidate, self.states) - self.usual
-        return np.asarray((raw - self._of_sensors(candidate, predicted) if predicted else raw) / self.scale)
+        if predicted:
+            raw = raw - self._of_sensors(candidate, predicted) - self._of_memory(candidate, predicted)
+        return np.asarray(raw / self.scale)
 
     def _able(self, base: Candidate, seen: NDArray[np.bool_]) -> list[Balance]:
         """Return the states that can be balanced: measured, of which the rate is an equation of measured states alone."""
@@ -165,6 +168,17 @@ class Balances:
                 shown[:, list(plant.states).index(above)] += slope.ravel()
         return self._raw(plain, shown) - self._of_rates(right, predicted.states)
 
+    def _of_memory(self, candidate: Candidate, predicted: Predicted) -> Array | float:
+        """Return what the balances (windows, features) are by what effects remember as a test begins, which nothing measures.
+
+        Driven along the predicted states, which know it, they begin as declared as well.
+        """
+        effects = [self.kernels.effects[name] for name in candidate.effects]
+        plain = candidate.without({one.name for one in on_sensors(self.layout.measured.plant, effects)})
+        if not any(one.states and not one.granted for one in effects if one.name in plain.effects):
+            return 0.0
+        return self._raw(plain, predicted.states, predicted.ends) - self.simulated
+
     def _raw(self, candidate: Candidate, states: Array, ends: Array | None = None) -> Array:
         """Return the balances (windows, features) at states (n, states), each in the unit of its state.
 
@@ -221,8 +235,9 @@ class Balances:
             found[one.name] = np.stack([_test_functions(row) for row in use])
         return found
 
-    def _chance(self, base: Candidate, predicted: Predicted) -> tuple[Array, Array]:
-        """Return what the balances (windows, features) of a model are by how states are estimated, and their noise (features,).
+    def _chance(self, base: Candidate, predicted: Predicted) -> tuple[Array, Array, Array]:
+        """Return what the balances (windows, features) of a model are by how states are estimated, their noise (features,), and what
+        they are of the predicted states alone.
 
         Readings as the base predicts them get noise, are counted as the sensors count, and go through the same chain (indirect
         inference: Gourieroux, Monfort & Renault 1993, doi:10.1002/jae.3950080507). Of what the predicted states themselves balance to
@@ -241,8 +256,8 @@ class Balances:
         noise = np.std(drawn, axis=0, ddof=1)
         used = noise > 0.0
         usual = np.array([np.median(column[mask]) if mask.any() else 1.0 for column, mask in zip(noise.T, used.T, strict=True)])
-        apart = self._raw(base, states, predicted.ends) - self._raw(base, states)
-        return np.mean(drawn, axis=0) + apart, np.maximum(usual, 1e-300)
+        simulated = self._raw(base, states, predicted.ends)
+        return np.mean(drawn, axis=0) + simulated - self._raw(base, states), np.maximum(usual, 1e-300), simulated
 
 
 def _counted(readings: Array, steps: Array, phases: Array) -> Array:

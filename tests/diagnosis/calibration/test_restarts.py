@@ -43,7 +43,7 @@ def test_a_base_in_a_poor_place_is_begun_from_where_a_fit_beside_it_has_led_it(s
     ("declared", "bounds", "held"),
     [
         (0.2, (0.01, 0.6), ("loss",)),  # 2.5 is right
-        (0.59, (0.01, 0.6), ()),  # the bound is what was declared
+        (0.6, (0.01, 0.6), ()),  # the bound is what was declared
         (2.0, (0.01, 100.0), ()),
     ],
 )

@@ -10,7 +10,7 @@ import pytest
 
 from hjcamp.diagnosis.calibration.shares import left_above, left_of, share_of
 from hjcamp.diagnosis.data.repeatability import NoiseFloor, repeatability_of
-from hjcamp.diagnosis.levels import DELTA
+from hjcamp.diagnosis.levels import DELTA, LEVEL
 from hjcamp.diagnosis.validation.channels import Channels
 
 WINDOWS, SIZE, TESTS = 60, 3, 3
@@ -22,7 +22,7 @@ def repeated_tests(scatter: float, shared: float, seed: int) -> tuple[Any, np.nd
     of_test = np.repeat(np.arange(TESTS), WINDOWS)
     common = shared * np.tile(generator.standard_normal((WINDOWS, SIZE)), (TESTS, 1))
     measured = SimpleNamespace(sensors=("one",), conditions={"a": list(range(TESTS))}, noise=np.ones(1))
-    layout = SimpleNamespace(measured=measured, of_test=of_test, width=SIZE)
+    layout = SimpleNamespace(measured=measured, of_test=of_test, width=SIZE, predictions=lambda features: features)
     return layout, common + scatter * generator.standard_normal(common.shape), common
 
 
@@ -50,17 +50,19 @@ def test_a_law_that_takes_what_repetitions_share_explains_all_however_much_they_
 
 @pytest.mark.parametrize("scatter", [1.0, 10.0, 50.0])
 def test_a_steady_gain_of_one_percent_of_the_rms_is_no_share_where_nothing_is_shared(scatter: float) -> None:
+    shares = []
     for seed in range(200):
         layout, features, _ = repeated_tests(scatter, 0.0, seed)
-        assert channels_of(layout, features).share(0.99 * features, features, features) < DELTA
+        shares.append(channels_of(layout, features).share(0.99 * features, features, features))
+    assert np.mean(np.array(shares) >= DELTA) <= LEVEL
 
 
 def test_without_repetitions_all_of_the_error_counts_and_the_noise_is_unsure() -> None:
     layout, features, _ = repeated_tests(1.0, 1.0, 1)
     layout.measured.conditions = {str(k): [k] for k in range(TESTS)}
     found = channels_of(layout, features)
-    assert (found.repeatability.squares[0], found.repeatability.unsure[0]) == (0.0, 1.0)
-    assert found.share(0.0 * features, features, features) == pytest.approx(1.0 - 1.0 / np.mean(features**2))
+    assert (found.repeatability.squares[0], found.repeatability.unsure[0]) == (0.0, 1.1)
+    assert found.share(0.0 * features, features, features) == pytest.approx(1.0 - 1.1 / np.mean(features**2))
 
 
 def test_a_row_says_of_what_its_share_is() -> None:

@@ -135,7 +135,7 @@ def test_a_fit_of_a_late_sensor_ends_where_its_lag_is_however_far_it_begins(bloc
         late_by = one.fitted.candidate.effects["sensor_lag"]["lag"] + one.fitted.candidate.base["delay.power"]
         assert late_by == pytest.approx(CATCHING_UP, rel=0.02)
         assert one.fitted.candidate.base["capacity"] == pytest.approx(CAPACITY, rel=0.01)
-        assert np.sqrt(np.mean(one.fitted.features**2)) < 1.1  # noise
+        assert np.sqrt(np.mean(analysis.windows.layout.predictions(one.fitted.features) ** 2)) < 1.1  # noise
     # a lag of the drive says the same, and neither is named alone
     found = decided(analysis)
     assert (found.word, set(found.effects)) == ("one_of", {"sensor_lag", "command_delay"})

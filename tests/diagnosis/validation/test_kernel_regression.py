@@ -53,9 +53,8 @@ def test_noise_that_is_more_than_the_motion_of_a_window_does_not_tell_itself(axi
     analysis = calibrated(measured, {}, unknowns=False, width=16)
     layout, base = analysis.windows.layout, analysis.base
     told = regression_of(layout, base.features, analysis.search.blocks, analysis.search.predicted(base))
-    assert analysis.search.share_left(told.features, base.features[told.rows]) > 0.97
-    assert analysis.search.follows_motion(base).share == 0.0
+    assert analysis.channels.share(told.features, base.features[told.rows], base.features) < 0.05
     # nor where the motion is described by the readings that hold it: a curvature that is mostly noise describes none
     own = regression_of(layout, base.features, analysis.search.blocks, layout.readings)
     assert not moves(layout)[2] and moves(layout)[0]
-    assert analysis.search.share_left(own.features, base.features[own.rows]) > 0.97
+    assert analysis.channels.share(own.features, base.features[own.rows], base.features) < 0.05
