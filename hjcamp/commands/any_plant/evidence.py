@@ -68,7 +68,7 @@ def missing_of(words: Words) -> Missing:
     from hjcamp.diagnosis.decision.law_curve import law_curves
 
     analysis, verdict = words.analysis, words.verdict
-    first = verdict.term or verdict.terms[0]
+    first = verdict.term or _same_law(words) or verdict.terms[0]
     name = next(one for one in first.names if one in analysis.search.unknowns)
     known = analysis.search.unknowns[name]
     curve = curve_of(analysis, first, name)
@@ -82,6 +82,19 @@ def missing_of(words: Words) -> Missing:
         after = (_branch(curve_of(analysis, rest, name)),) if rest is not None else ()
     missing = _missing(known, curve, _branches(words, known, curve), law, after, added)
     return missing if added else replace(missing, forms=_forms(words, curve))
+
+
+def _same_law(words: Words) -> Scored | None:
+    """Return the non-parametric term that a named effect is a form of; None where none was fitted."""
+    from hjcamp.diagnosis.candidates.equivalence import equivalent_laws
+
+    search, verdict = words.analysis.search, words.verdict
+    named = [search.library[name] for name in verdict.effects]
+    for one in verdict.terms:
+        known = search.unknowns[one.beyond(words.analysis.base)[0]]
+        if any(equivalent_laws(known, effect) for effect in named):
+            return one
+    return None
 
 
 def _forms(words: Words, curve: dict[str, Any]) -> tuple[Branch, ...]:

@@ -123,7 +123,8 @@ def _moment(
 
 def _answers(model: PlainModel, place: Mapping[str, float], unknown: Unknown) -> Array:
     """Return what an unknown changes: its slots where it acts on a sensor or on what a store takes, else the rates over usual sizes."""
-    if unknown.quantity == "reading" or getattr(unknown.effect, "positive", False):
+    stored = getattr(unknown.effect, "positive", False) and unknown.quantity != "value"
+    if unknown.quantity == "reading" or stored:
         signals = model.signals(place)
         return np.array([signals[slot] for slot in unknown.effect.terms])
     rates = model.rates(place)
