@@ -16,7 +16,7 @@ from hjcamp.diagnosis.calibration.hidden_states import completed_states
 from hjcamp.diagnosis.calibration.multistart import BEGUN_APART, above_noise, best_begun, in_parts, refitted_from_model_states
 from hjcamp.diagnosis.calibration.prediction_windows import predictable, simulated_through
 from hjcamp.diagnosis.calibration.window_length import width_of
-from hjcamp.diagnosis.candidates.nonparametric_terms import courses_of, ranges_of, unknowns_of
+from hjcamp.diagnosis.candidates.nonparametric_terms import courses_of, possible_laws, ranges_of, unknowns_of
 from hjcamp.diagnosis.candidates.visited_range import about_visited
 from hjcamp.diagnosis.data.feedthrough import may_be_late
 from hjcamp.diagnosis.data.repeatability import NoiseFloor, noise_floor_of, repeatability_of
@@ -107,7 +107,9 @@ def calibrated(
     unnamed = frozenset(name for name, effect in both.items() if name not in library or not effect.claimed)
     base, free = _free_base(measured, start.base if start else {})
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
-    kernels = Kernels(plant, both, ahead=workers > 1)
+    kernels = Kernels(plant, both, ahead=True)
+    if unknowns:
+        kernels.foresee(possible_laws(plant))
     kernels.prepare(both)
     before = candidate.with_base(known.base)
     windows, begun = predictable(measured, kernels, before, free, width or width_of(measured), effort)
