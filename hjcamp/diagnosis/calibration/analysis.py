@@ -32,6 +32,7 @@ from hjcamp.errors import UsageError
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.plant import Plant
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
@@ -107,10 +108,7 @@ def calibrated(
     unnamed = frozenset(name for name, effect in both.items() if name not in library or not effect.claimed)
     base, free = _free_base(measured, start.base if start else {})
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
-    kernels = Kernels(plant, both, ahead=True)
-    if unknowns:
-        kernels.foresee(possible_laws(plant))
-    kernels.prepare(both)
+    kernels = _compiled_ahead(plant, both, unknowns)
     before = candidate.with_base(known.base)
     windows, begun = predictable(measured, kernels, before, free, width or width_of(measured), effort)
     windows = windows if width else simulated_through(windows, Candidate(base, {}), free)
@@ -144,6 +142,14 @@ def calibrated(
     layout, features = windows.layout, scored.fitted.features
     search.repeatability = repeatability_of(layout, features)
     return Analysis(windows, search, candidate, scored, noise_floor_of(layout, features))
+
+
+def _compiled_ahead(plant: type[Plant], effects: Mapping[str, type[Effect]], unknowns: bool) -> Kernels:
+    """Return the kernels of a plant; another process begins with that of all effects, and of what may be unknown."""
+    kernels = Kernels(plant, effects, ahead=True)
+    kernels.foresee(possible_laws(plant) if unknowns else {})
+    kernels.prepare(effects)
+    return kernels
 
 
 def _free_base(measured: Measured, start: Mapping[str, float]) -> tuple[dict[str, float], list[Free]]:
