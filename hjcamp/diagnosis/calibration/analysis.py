@@ -17,7 +17,7 @@ from hjcamp.diagnosis.calibration.kinds import with_balances
 from hjcamp.diagnosis.calibration.multistart import BEGUN_APART, above_noise, best_begun, in_parts, refitted_from_model_states
 from hjcamp.diagnosis.calibration.prediction_windows import predictable, simulated_through
 from hjcamp.diagnosis.calibration.window_length import width_of
-from hjcamp.diagnosis.candidates.nonparametric_terms import courses_of, ranges_of, unknowns_of
+from hjcamp.diagnosis.candidates.nonparametric_terms import courses_of, possible_laws, ranges_of, unknowns_of
 from hjcamp.diagnosis.candidates.visited_range import about_visited
 from hjcamp.diagnosis.data.feedthrough import may_be_late
 from hjcamp.diagnosis.data.repeatability import NoiseFloor, noise_floor_of
@@ -34,6 +34,7 @@ from hjcamp.errors import UsageError
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.plant import Plant
 
 Array = NDArray[np.float64]
 Report = Callable[[str, float], None]
@@ -112,8 +113,7 @@ def calibrated(
     unnamed = frozenset(name for name, effect in both.items() if name not in library or not effect.claimed)
     base, free = _free_base(measured, start.base if start else {})
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
-    kernels = Kernels(measured.plant, both, ahead=workers > 1)
-    kernels.prepare(both)
+    kernels = _compiled_ahead(measured.plant, both, unknowns)
     before = candidate.with_base(known.base)
     windows, begun = predictable(measured, kernels, before, free, width or width_of(measured), effort)
     windows = windows if width else simulated_through(windows, Candidate(base, {}), free)
@@ -145,6 +145,14 @@ def calibrated(
     return Analysis(
         windows, search, candidate, scored, noise_floor_of(layout, layout.predictions(scored.fitted.features)), channels
     )
+
+
+def _compiled_ahead(plant: type[Plant], effects: Mapping[str, type[Effect]], unknowns: bool) -> Kernels:
+    """Return the kernels of a plant; another process begins with that of all effects, and of what may be unknown."""
+    kernels = Kernels(plant, effects, ahead=True)
+    kernels.foresee(possible_laws(plant) if unknowns else {})
+    kernels.prepare(effects)
+    return kernels
 
 
 def _free_base(measured: Measured, start: Mapping[str, float]) -> tuple[dict[str, float], list[Free]]:

@@ -110,6 +110,16 @@ def unknowns_of(
     return _bound(plant, unknown_laws.LAWS, ranges, courses or {}) | _gains(plant, ranges)
 
 
+def possible_laws(plant: type[Plant]) -> dict[str, type[Effect]]:
+    """Return every law that `unknowns_of` the plant may give, by name, wherever tests go: a kernel that has them serves all tests."""
+    vocabulary = read_vocabulary(plant)
+    levels = [port.names["level"] for port in vocabulary.ports.values() if "level" in port.names]
+    driven = {*vocabulary.signals, *plant.states, *plant.inputs, "time", *(f"{a} - {b}" for a in levels for b in levels)}
+    # what repeats has one law within few turns, and another one beyond
+    found = [unknowns_of(plant, dict.fromkeys(driven, (-reach, reach))) for reach in (1.0, TURN * MOST_TURNS)]
+    return {name: one.effect for each in found for name, one in each.items()}
+
+
 def _bound(
     plant: type[Plant], laws: Iterable[type[Effect]], ranges: Mapping[str, tuple[float, float]], courses: Mapping[str, Array]
 ) -> dict[str, Unknown]:

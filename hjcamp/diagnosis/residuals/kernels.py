@@ -22,6 +22,7 @@ class Kernels:
     effects: Mapping[str, type[Effect]]
     ahead: bool = False
     _held: tuple[str, ...] = ()
+    _foreseen: Mapping[str, type[Effect]] = field(default_factory=dict)
     _chunks: list[tuple[str, ...]] = field(default_factory=list)
     _made: dict[tuple[str, ...], Simulator] = field(default_factory=dict)
 
@@ -33,6 +34,11 @@ class Kernels:
         self.effects = {**self.effects, **effects}
         self._cut()
 
+    def foresee(self, effects: Mapping[str, type[Effect]]) -> None:
+        """Let effects that may be added have their gates from the first, unless all are too many for one kernel."""
+        self._foreseen = effects
+        self._cut()
+
     def hold(self, names: Collection[str]) -> None:
         """Let these effects be part of models in addition to any other one without a further kernel."""
         self._held = tuple(names)
@@ -41,7 +47,9 @@ class Kernels:
     def _cut(self) -> None:
         """Cut the effects into chunks for one kernel each; the forms of contacts and what is held belong to every chunk."""
         kept = {name for name, effect in self.effects.items() if effect.granted} | set(self._held)
-        rest = list(self.effects)
+        # in the same order before and after those that were foreseen are added
+        others = [name for name in self.effects if name not in self._foreseen]
+        rest = [*others, *self._foreseen] if len(others) + len(self._foreseen) <= MOST_GATED else list(self.effects)
         first, rest = rest[:MOST_GATED], rest[MOST_GATED:]
         size = MOST_GATED - len(kept)
         self._chunks = [tuple(first)] if first else []
@@ -82,6 +90,6 @@ class Kernels:
 
     def _simulator(self, chosen: tuple[str, ...]) -> Simulator:
         if chosen not in self._made:
-            effects = tuple(self.effects[name] for name in chosen)
+            effects = tuple((self.effects.get(name) or self._foreseen[name]) for name in chosen)
             self._made[chosen] = Simulator(Composition(self.plant, effects, gated=self._gated(chosen)), free=True)
         return self._made[chosen]

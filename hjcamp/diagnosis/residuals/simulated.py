@@ -162,7 +162,8 @@ class Simulated:
             most = max(most, BENT)
         count = len(begin) * samples
         plain = len(self.sizes)
-        out, states = np.empty((count, len(measured.sensors))), np.empty((count, plain))
+        # filled where not all windows run at once
+        out, states = np.empty((0, len(measured.sensors))), np.empty((0, plain))
         ends, parts = begin[:, :plain].copy(), self._parts(candidate)
         kept: Array | None = None
         last = np.zeros((len(begin), begin.shape[1] - plain))
@@ -187,7 +188,12 @@ class Simulated:
                 own, p = windows & begun, model.vector({**values, **given})
                 course, fine = layout.course(marks, inputs, rows, begin[own])
                 ran = model.run_to_ends(p, course, most=most * len(course.time) / fine)
-                out[samples_of], states[samples_of] = ran.readings[::fine, measured.columns], ran.states[::fine, :plain]
+                read, passed = ran.readings[::fine, measured.columns], ran.states[::fine, :plain]
+                if windows.all():
+                    out, states = read, passed
+                else:
+                    out, states = (one if len(one) else np.empty((count, one.shape[1])) for one in (out, states))
+                    out[samples_of], states[samples_of] = read, passed
                 ends[own] = ran.ends[:, :plain]
                 last[own] = ran.ends[:, plain:]
                 taken += ran.steps
