@@ -111,12 +111,16 @@ def unknowns_of(
 
 
 def possible_laws(plant: type[Plant]) -> dict[str, type[Effect]]:
-    """Return every law that `unknowns_of` the plant may give, by name, wherever tests go: a kernel that has them serves all tests."""
+    """Return every law that `unknowns_of` and `values_of` a plant may give, by name, wherever tests go.
+
+    A kernel that has them serves all tests of the plant.
+    """
     vocabulary = read_vocabulary(plant)
     levels = [port.names["level"] for port in vocabulary.ports.values() if "level" in port.names]
     driven = {*vocabulary.signals, *plant.states, *plant.inputs, "time", *(f"{a} - {b}" for a in levels for b in levels)}
     # what repeats has one law within few turns, and another one beyond
     found = [unknowns_of(plant, dict.fromkeys(driven, (-reach, reach))) for reach in (1.0, TURN * MOST_TURNS)]
+    found.append(values_of(plant, plant.base_parameters, dict.fromkeys(driven, (-1.0, 1.0))))
     return {name: one.effect for each in found for name, one in each.items()}
 
 
