@@ -44,7 +44,7 @@ def motor(loaded: float, repetitions: int = 2) -> Measured:
 
 
 def looked_at(measured: Measured) -> tuple[Analysis, Verdict]:
-    return asked(measured)
+    return asked(measured, ["constant_force"])
 
 
 def test_an_inertia_that_differs_in_one_condition_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

