@@ -70,7 +70,7 @@ class Fake(Stepped):
         if self.way == "misses" and count >= AT:
             self.sample = count + 10
         if (self.way, count) in (("late", AT - 1), ("blocks", AT)):
-            self.deadline_s = DEADLINE_S  # of the next call, which blocks
+            type(self).deadline_s = DEADLINE_S  # of the next call, which blocks
         if count < AT:
             return values
         self.failed = True
@@ -103,7 +103,7 @@ class Fake(Stepped):
         self.ever.append(self.put)
 
     def _block(self) -> None:
-        self.deadline_s = PATIENCE_S
+        type(self).deadline_s = PATIENCE_S
         time.sleep(BLOCKED * DEADLINE_S)
 
     _making_safe = False
