@@ -14,7 +14,7 @@ DOCUMENTED := $(VENV)/.documented
 unexport PYTHONDONTWRITEBYTECODE
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 
-.PHONY: help say-setup say-demo say-test setup demo test studies lint catalogue docs bench benchmark levels hidden_tables any_plant foreign_machines unmoved unmoved-long next_value thesis_gap tour_data gallery pump_cost convergence fidelity validation faults kills damage recovery bad_calls wrong_logs disturbed dist clean
+.PHONY: help say-setup say-demo say-test setup demo test studies lint catalogue docs bench benchmark levels hidden_tables any_plant foreign_machines public unmoved unmoved-long next_value thesis_gap tour_data gallery pump_cost convergence fidelity validation faults kills damage recovery bad_calls wrong_logs disturbed dist clean
 
 help:
 	@echo "make setup   .venv with hjcamp and all it needs, every kernel compiled; README says how long it takes; the demo needs less"
@@ -30,6 +30,7 @@ help:
 	@echo "make hidden_tables  effects that hide behind means and deviations (21 cases, a minute each); docs/hidden_tables.md"
 	@echo "make any_plant  hidden effects on an axis, tanks, a servo and two joints, imported and diagnosed; docs/any_plant.md"
 	@echo "make foreign_machines  hidden effects on eight machines that others might bring; docs/foreign_machines.md"
+	@echo "make public DATA=FOLDER  published benchmark sets that you have put there: our number next to the published one (docs/public.md)"
 	@echo "make unmoved BASE=COMMIT  whether this code answers twelve sets of logs bit for bit as that commit does (10 minutes); unmoved-long: sixty"
 	@echo "make next_value  how many tests 'hjcamp next' saves against random choice; docs/next_value.md"
 	@echo "make thesis_gap  what the printed tables of 5.4 say is missing; docs/thesis_gap.md, model=refit"
@@ -123,6 +124,10 @@ levels: $(WARM)
 
 any_plant: $(WARM)
 	$(BIN)/python -m benchmarks.any_plant --page docs/any_plant.md
+
+# DATA: a folder with the files of published sets as they were downloaded
+public: $(WARM)
+	$(BIN)/python -m benchmarks.public $(DATA)
 
 foreign_machines: $(WARM)
 	$(BIN)/python -m benchmarks.foreign_machines --seeds 1001 1002 1003 --page docs/foreign_machines.md

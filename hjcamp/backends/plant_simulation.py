@@ -130,7 +130,7 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
     if "first_direction" in gains:
         gains["first_direction"] = direction
     if law.planned:
-        planned = law.plan(reference, gains, known, plant.period)
+        planned = inverted(config, reference) if law.inverts else law.plan(reference, gains, known, plant.period)
         reference = np.column_stack([reference, planned])
     random = draws(config, simulator, known, generator, len(rows), law.begin(gains, known))
     # what acts earlier than its log says does so on paper alone: no loop sends a command before it knows it
@@ -147,6 +147,22 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
         noise=random.noise,
     )
     return Prepared(simulator, p, random.start, test)
+
+
+def inverted(config: Mapping[str, Any], reference: Array) -> Array:
+    """Return the input (n, 1) with which the controller's model follows a reference (n, 3), SI; raises ``UsageError`` with the reason.
+
+    ``controller_model`` is that model as it was planned; without it the plant is taken as declared.
+    """
+    from hjcamp.model.run.inverse import inverse_inputs
+
+    plant, (law, chosen) = plant_in(config), law_of(config)
+    model = config.get("controller_model") or {"parameters": {}, "effects": {}}
+    effects, values = model_of({"model": model}, plant)
+    [name] = commanded(law, plant, chosen)
+    reading = measured_fields(plant).index(controlled_field(plant))
+    start = start_of(config, plant, {})
+    return inverse_inputs(Composition(plant, tuple(effects)), reading, name, apart(values)[0], reference, start)[:, None]
 
 
 @dataclass(frozen=True)

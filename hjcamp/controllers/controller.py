@@ -37,6 +37,7 @@ class Controller(Law):
     uses_feedforward = False
     uses_arm = True
     planned: ClassVar[tuple[str, ...]] = ()
+    inverts: ClassVar[bool] = False  # what is planned is the input with which ``controller.model`` follows the reference
     tuned: ClassVar[tuple[str, ...]] = ()  # what `hjcamp tune` seeks where the plant does not tune itself
 
     @classmethod

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from hjcamp.controllers.controller import Controller
 from hjcamp.model.declare.law import Memory
 from hjcamp.model.declare.parameter import Parameter
@@ -19,7 +21,7 @@ class PlainPid(Controller):
     the plant's only one unless said.
     """
 
-    samples = ("reference", "measured", "period", "index")
+    samples: ClassVar[tuple[str, ...]] = ("reference", "measured", "period", "index")
     results = ("output",)
 
     kp = Parameter("1", 1.0, (-1e12, 1e12), text="proportional gain: input for one unit of the channel")

@@ -97,7 +97,7 @@ def test_the_pieces_of_bash_are_words_again(pieces: list[str], words: list[str],
         *(([command, "runs/con"], ["runs/controllers/one"]) for command in ("compare", "diagnose", "add", "next")),
         *(([command, "runs/con"], ["runs/controllers/one"]) for command in ("report", "show", "resume", "calibrate")),
         (["log", "verify", "one."], ["one.mcap"]),
-        (["rep"], ["report"]),
+        (["rep"], ["report", "repository"]),
     ],
 )
 def test_bash_is_answered(

@@ -11,6 +11,7 @@ from hjcamp.campaign.plan.conditions import Draft, draft_conditions
 from hjcamp.campaign.plan.objective import read_objectives
 from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.run_keys import RunKeys, read_run_keys
+from hjcamp.controllers import find_controller
 from hjcamp.errors import UsageError, counted, nearest, shown, unknown
 from hjcamp.records.plan import Condition, Plan, config_sha256, folder_name, lasting_name, plan_sha256, planned_tests
 from hjcamp.schema import naming
@@ -102,9 +103,22 @@ def _condition(draft: Draft, composition: Composition, repetitions: int, seed: i
     if not config.get("plant"):
         with naming(where):
             config["controller_model"] = composer.model(str(config["controller"].get("model")))
+    elif find_controller(str(config["controller"]["name"])).inverts:
+        _add_inverted_model(config, composer, where)
     duration = trajectory_of(config).duration
     config |= {"repetitions": repetitions, "seed": seed}
     return Condition(draft.name, choices, config, duration, config_sha256(config))
+
+
+def _add_inverted_model(config: dict[str, Any], composer: Composer, where: str) -> None:
+    """Add the model that a controller of another plant inverts; raises ``UsageError`` where it cannot be inverted."""
+    from hjcamp.backends.plant_simulation import prepare
+
+    lines = [f"plant={config['plant']['name']}", f"model={config['controller'].get('model')}"]
+    with naming(where):
+        config["controller_model"] = composer.compose(lines).config["model"]
+        check_configuration({**config, "model": config["controller_model"]})
+        prepare(config, 1)
 
 
 def trajectory_of(config: Mapping[str, Any]) -> Trajectory:

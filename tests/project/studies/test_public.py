@@ -1,0 +1,84 @@
+"""Published benchmark sets: their splits, and the whole way from a file as it is published to our number, on made-up records."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from benchmarks.public.sets import SETS
+
+ROOT = Path(__file__).parents[3]
+NOISE = 0.02
+
+
+def tanks(pump: np.ndarray, start: tuple[float, float]) -> np.ndarray:
+    """Return the levels of the lower tank by small explicit steps."""
+    upper, lower = start
+    found = []
+    for volts in pump:
+        found.append(lower)
+        for _ in range(400):
+            flow, out = 0.06 * np.sqrt(max(upper, 0.0)), 0.05 * np.sqrt(max(lower, 0.0))
+            upper, lower = upper + 0.01 * (0.04 * volts - flow), lower + 0.01 * (flow - out)
+    return np.array(found)
+
+
+def write_tanks(folder: Path) -> None:
+    generator = np.random.default_rng(1)
+    records = {}
+    for part, start in (("Est", (4.0, 5.0)), ("Val", (3.0, 6.0))):
+        pump = np.repeat(generator.uniform(1.0, 5.0, 64), 16)
+        records[f"u{part}"] = pump[:, None]
+        records[f"y{part}"] = (tanks(pump, start) + NOISE * generator.standard_normal(len(pump)))[:, None]
+    savemat(folder / "dataBenchmark.mat", {**records, "Ts": 4.0})
+
+
+def test_a_set_is_split_as_its_loader_does(tmp_path: Path) -> None:
+    write_tanks(tmp_path)
+    train, test = SETS["cascaded_tanks"].read([tmp_path / "dataBenchmark.mat"])
+    assert len(train["train"]["level_v"]) == len(test["test"]["level_v"]) == 1024 and train["train"]["time_s"][1] == 4.0
+    rows = np.arange(131072.0)
+    savemat(tmp_path / "SNLS80mV.mat", {"V1": rows, "V2": -rows})
+    train, test = SETS["silverbox"].read([tmp_path / "SNLS80mV.mat"])
+    ends = {name: (table["drive_voltage_v"][0], table["output_v"][-1]) for name, table in {**train, **test}.items()}
+    assert ends == {"train": (40650, -105711), "multisine": (105712, -127399), "arrow": (100, -40574)}
+    names = {"t": rows[:9, None], "qm": rows[:9, None], "vir": rows[:9, None], "qg": rows[:9, None]}
+    for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"):
+        savemat(tmp_path / name, names)
+    train, test = SETS["emps"].read([tmp_path / "DATA_EMPS.mat", tmp_path / "DATA_EMPS_PULSES.mat"])
+    assert (
+        list(train) == ["train"] and list(test) == ["pulses"] and set(train["train"]) == {"time_s", "position_m", "voltage_v"}
+    )
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_a_plant_comes_along_with_each_set(name: str) -> None:
+    from hjcamp.known_plants import find_plant
+
+    plant = find_plant(SETS[name].plant, folders=[ROOT / "benchmarks" / "public" / "plants"])
+    known = {*plant.base_parameters, "test", "arrow", "multisine"}
+    assert all(what in known for _, what, _ in SETS[name].published)
+
+
+def test_a_folder_without_a_whole_set_is_said_so(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "benchmarks.public", str(tmp_path)], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2 and "no whole set" in done.stderr and not (tmp_path / "results.md").exists()
+
+
+@pytest.mark.study
+def test_a_made_up_record_gives_its_own_noise(tmp_path: Path) -> None:
+    write_tanks(tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-m", "benchmarks.public", str(tmp_path)], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    rows = [line for line in (tmp_path / "results.md").read_text().splitlines() if line.startswith("| cascaded_tanks")]
+    assert len(rows) == 4 and "PNLSS-I | 0.4498" in "".join(rows)
+    assert float(rows[0].split("|")[5]) == pytest.approx(NOISE, rel=0.2)
