@@ -23,6 +23,8 @@ def draw_rounds(rounds: Sequence[tuple[float, Mapping[str, float | None]]]) -> s
                 axis.plot(*zip(*points, strict=True), "o-", color=colour, markersize=4.5, linewidth=1.4, label=label)
         axis.axhline(1.0, color=INK, linewidth=0.8, linestyle="--", label="noise floor")
         axis.set_yscale("log")
+        axis.yaxis.set_major_formatter(lambda value, place: f"{value:g}")
+        axis.yaxis.set_minor_formatter(lambda value, place: f"{value:g}" if str(value)[0] in "25" else "")
         axis.set_xlim(left=0.0)
         axis.set_xlabel("time of the rig (min)")
         axis.legend(fontsize=8, frameon=False)
