@@ -71,7 +71,7 @@ CASES = (
         "A belt pulls the spindle one way, harder at some speeds than at others. No effect of the library pulls like that.",
         "What pulls one way has two names, as before, and neither has quite the form. Both explain nearly all of the error, so they are "
         "the answer; how much more the best model of all explains is said, and that the sensor's noise is not reached.",
-        "A repeated test would show whether what is left is scatter; a rest in a recording would decide between the two names.",
+        "A repeated test would show whether the residual is scatter; a rest in a recording would decide between the two names.",
         ("belt_1", "belt_2"),
         "worst_test.svg",
         "The worst recording: the error with the constants estimated, and with what was found.",
