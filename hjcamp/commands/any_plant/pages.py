@@ -45,7 +45,6 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
     from hjcamp.records.log import observed
     from hjcamp.report.pages import discrepancy_page as page
     from hjcamp.report.pictures.prediction import draw_windows
-    from hjcamp.report.wording.repeatability import worst_table
 
     analysis, verdict = words.analysis, words.verdict
     library = analysis.search.library
@@ -80,10 +79,7 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
         page.side_by_side([(said, pictures[name]) for name, said in CORRELATIONS.items() if name in pictures]),
         page.note(BAND + (REPEATED if analysis.measured.repeated else "")),
     ]
-    if where := words.where():
-        parts += [page.heading("Where the calibrated model fails"), page.bullets(where)]
-    if worst := words.content["worst"]:
-        parts += [page.heading("Worst conditions"), page.table_of(*worst_table(worst))]
+    parts += _places(words)
     fitted_with = words.fitted_with
     parts += [
         page.heading("Calibrated first"),
@@ -94,6 +90,16 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
     parts += [*known, links(folder), made_from(test.log for test in analysis.measured.tests)]
     write_effect_pages(folder, [row["effect"] for row in words.content["candidates"]], library)
     return _written(folder, pictures, page.discrepancy_page(words.title, "".join(sentences[:1]), parts))
+
+
+def _places(words: Words) -> list[str]:
+    """Return where the calibrated model fails, and the conditions that err most with what was found."""
+    from hjcamp.report.pages import discrepancy_page as page
+    from hjcamp.report.wording.repeatability import worst_table
+
+    where, worst = words.where(), words.content["worst"]
+    found = [page.heading("Where the calibrated model fails"), page.bullets(where)] if where else []
+    return found + ([page.heading("Worst conditions"), page.table_of(*worst_table(worst))] if worst else [])
 
 
 def write_comparison(found: PlantComparison, folder: Path, following: Sequence[str] = ()) -> list[Path]:
