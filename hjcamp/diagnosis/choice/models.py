@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
-from hjcamp.diagnosis.candidates.equivalence import equivalent_laws
+from hjcamp.diagnosis.candidates.equivalence import equivalent_laws, kind_of
 from hjcamp.diagnosis.choice.responses import Responses
 from hjcamp.diagnosis.choice.subsets import Ranked, best_settings, kept_by_blocks, pairs_of
 from hjcamp.diagnosis.estimation.likelihood import size
@@ -53,6 +53,21 @@ class Models:
         fitted += self._second_look(fitted)
         every = frozenset(range(len(self.names)))
         return (*fitted, *(Model(one, every) for one in self._lawless([one.scored for one in fitted])))
+
+    def compared(self, one: Scored, other: Scored) -> tuple[Array, Array, Array, Array]:
+        """Return the features by which two models are compared, on blocks left out and as fitted: predictions, balances if they can.
+
+        Balances know only roughly what remembers, and what errs in a sensor.
+        """
+        effects = {
+            name: self.library[name] for model in (one, other) for name in model.beyond(self.base) if name in self.library
+        }
+        blind = any(effect.states or kind_of(effect) == "sensor" for effect in effects.values())
+        rows = (one.features, other.features, one.fitted.features, other.fitted.features)
+        if not blind:
+            return rows
+        cut = self.analysis.windows.layout.predictions
+        return cut(rows[0]), cut(rows[1]), cut(rows[2]), cut(rows[3])
 
     @property
     def named(self) -> list[Scored]:

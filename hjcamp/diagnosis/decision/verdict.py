@@ -164,8 +164,9 @@ class Decision:
         for i, one in enumerate(models):
             for j, other in enumerate(models):
                 if i != j:
-                    advantage[i, j] = advantages(one.features, other.features, self.blocks)
-                    apart[i, j] = discrimination(one.fitted.features, other.fitted.features, self.blocks)
+                    a, b, a_fitted, b_fitted = self.models.compared(one, other)
+                    advantage[i, j] = advantages(a, b, self.blocks)
+                    apart[i, j] = discrimination(a_fitted, b_fitted, self.blocks)
         return [models[k] for k in confidence_set(advantage, apart, self.alpha, self.models.search.seed)]
 
     # -- the simplest that suffices
@@ -234,7 +235,8 @@ def decided(analysis: Analysis, alpha: float = ALPHA, delta: float = DELTA) -> V
     found = Decision(Models(analysis, delta), alpha, delta).verdict()
     if held := _held(analysis, found.shown):
         return replace(found, word=CANNOT_TELL, effects=(), model=analysis.base, term=None, lacking=(*found.lacking, held))
-    return found if found.effects or found.term or not found.named else _without_law(analysis, found)
+    judged = math.isfinite(found.gate.upper)
+    return _without_law(analysis, found) if judged and not (found.effects or found.term) else found
 
 
 def _without_law(analysis: Analysis, found: Verdict) -> Verdict:

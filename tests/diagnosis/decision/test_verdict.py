@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from toys import BLOCKS, Toy, search_of
+from toys import BLOCKS, Toy, all_features, search_of
 
 from hjcamp.diagnosis.data.repeatability import Repeatability
 from hjcamp.diagnosis.decision import verdict
@@ -179,6 +179,7 @@ def stored(name: str) -> Any:
         base=fits[0],
         blocks=kept["blocks"],
         names=np.unique(kept["blocks"]),
+        compared=all_features,
         terms=terms,
         search=search_of(kept["blocks"]),
         all=tuple(SimpleNamespace(scored=one, blocks=own) for one, own in zip(fits[1:], chosen, strict=True)),

@@ -19,6 +19,11 @@ Array = NDArray[np.float64]
 WINDOWS, SIZE, BLOCKS = 48, 4, 12
 
 
+def all_features(one: Scored, other: Scored) -> tuple[Array, Array, Array, Array]:
+    """Compare two models by all their features: nothing of them remembers, or errs in a sensor."""
+    return one.features, other.features, one.fitted.features, other.fitted.features
+
+
 class Toy:
     """Repetitions of one test under a library; what ``acts`` are responses (windows, d, k) times amplitudes."""
 
@@ -57,6 +62,7 @@ class Toy:
             base=base,
             blocks=self.blocks,
             names=np.arange(BLOCKS),
+            compared=all_features,
             terms=self.terms,
             search=search,
             all=tuple(SimpleNamespace(scored=one, blocks=number) for one in fits),
