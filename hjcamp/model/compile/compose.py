@@ -18,7 +18,7 @@ from hjcamp.model.declare.table import table_of
 from hjcamp.model.language.effect_names import check_effect
 from hjcamp.model.language.vocabulary import Vocabulary, read_vocabulary
 
-MOST_GATED = 96
+MOST_GATED = 52
 
 
 @dataclass(frozen=True)
