@@ -68,7 +68,9 @@ class Contest:
 
 def contests(drawn: Sequence[Windows], truth: Rival, other: Rival) -> list[Contest]:
     """Return the contests of a true rival, simulated with several sets of its parameters, with another one as it was fitted."""
-    white = whitener(truth.model.features)
+    # a proposed test is judged by predictions: its balances are those of states that nobody has measured yet
+    left = drawn[0].layout.predictions(truth.model.features)
+    white, noise = whitener(left), left @ whitener(left)
     free, found, slopes = other.model.fitted.free, [], None
     for place, simulated in enumerate(drawn):
         # windows that begin at the same states have the same slopes, whatever was read in them
@@ -81,7 +83,6 @@ def contests(drawn: Sequence[Windows], truth: Rival, other: Rival) -> list[Conte
         if not same or slopes is None:
             slopes = slopes_of(simulated, other.candidate, free, features)
         white_slopes = np.einsum("wfp,fg->wgp", slopes, white)
-        noise = truth.model.features @ white
         found.append(Contest(features @ white, white_slopes, other.model.fitted.information, noise, simulated.layout.of_test))
     return found
 
@@ -91,19 +92,19 @@ def refitted(analysis: Analysis, simulated: Windows, truth: Rival, other: Rival,
     windows, new = joined_with(analysis, other.model.place, simulated, tests)
     free = other.model.fitted.free
     windows.renew(other.candidate)
-    before = windows.features(other.candidate)[~new] @ whitener(truth.model.features)
+    left = windows.layout.predictions(truth.model.features)
+    white = whitener(left)
+    before = windows.features(other.candidate)[~new] @ white
     found = fit(windows, other.candidate, free, FIT_ROUNDS, exact=False)
     if not np.isfinite(found.loss):
         return LARGEST
     if windows.unseen.any():
         windows.move_starts(found.candidate, rounds=1)
         found = fit(windows, found.candidate, free, FIT_ROUNDS, near=found, exact=False)
-    white = whitener(truth.model.features)
-    noise = truth.model.features @ white
     # what the new tests cost B on those that are measured counts as well; to those alone it was fitted before
     after = found.features[~new] @ white
     worse = max(float(_scores(after).sum() - _scores(before).sum()), 0.0)
-    return deviate(found.features[new] @ white, noise, worse)
+    return deviate(found.features[new] @ white, left @ white, worse)
 
 
 def deviate(left: Array, noise: Array, worse: float = 0.0) -> float:

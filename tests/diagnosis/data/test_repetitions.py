@@ -57,7 +57,7 @@ def test_one_test_in_two_files_is_looked_at_once(axis: Path) -> None:
 def test_where_half_of_an_error_is_in_few_windows_these_are_told() -> None:
     tests = tuple(SimpleNamespace(name=name) for name in "ab")
     measured, time = SimpleNamespace(sensors=("one",), tests=tests), np.tile(np.arange(60.0), 2)
-    layout = SimpleNamespace(measured=measured, of_test=np.repeat([0, 1], 6), width=10, time=time)
+    layout = SimpleNamespace(measured=measured, of_test=np.repeat([0, 1], 6), width=10, time=time, predictions=lambda one: one)
     features = np.full((12, 4), 0.1)
     features[[4, 7]] = 2.0
     rows = np.arange(12)
