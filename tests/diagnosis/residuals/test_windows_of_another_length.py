@@ -40,7 +40,7 @@ def test_windows_of_another_length_begin_a_base_apart_only_where_it_leads_elsewh
 
 def test_noise_alone_is_seldom_above_noise() -> None:
     random = np.random.default_rng(5)
-    layout: Any = SimpleNamespace(measured=SimpleNamespace(sensors=[0]))
+    layout: Any = SimpleNamespace(measured=SimpleNamespace(sensors=[0]), predictions=lambda features: features)
     noise = random.standard_normal((400, 96, 8))
     assert 8 <= sum(above_noise(layout, one) for one in noise) <= 34  # one in twenty, and its chance
     assert all(above_noise(layout, 1.2 * one) for one in noise)
