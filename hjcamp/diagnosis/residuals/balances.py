@@ -247,12 +247,16 @@ class Balances:
         measured, states = layout.measured, np.where(np.isfinite(predicted.states), predicted.states, self.states)
         paths = layout.apart_again(np.where(np.isfinite(predicted.readings), predicted.readings, layout.readings))
         white = np.sqrt(np.maximum(measured.noise**2 - measured.steps**2 / 12.0, 0.0))
-        for _ in range(DRAWS):
-            readings = [path + white * generator.standard_normal(path.shape) for path in paths]
-            counted = [_counted(one, measured.steps, generator.uniform(size=len(white))) for one in readings]
-            tests = [replace(test, readings=one) for test, one in zip(measured.tests, counted, strict=True)]
-            seen = _known(layout, measured.with_tests(tests))
-            drawn.append(self._raw(base, np.where(np.isfinite(seen), seen, states)))
+        for _ in range(DRAWS // 2):
+            errors = [white * generator.standard_normal(path.shape) for path in paths]
+            phases = [generator.uniform(size=len(white)) for _ in paths]
+            # with both signs: what is linear in the noise cancels in the mean, whatever was drawn for which test
+            for sign in (1.0, -1.0):
+                readings = [path + sign * error for path, error in zip(paths, errors, strict=True)]
+                counted = [_counted(one, measured.steps, sign * phase) for one, phase in zip(readings, phases, strict=True)]
+                tests = [replace(test, readings=one) for test, one in zip(measured.tests, counted, strict=True)]
+                seen = _known(layout, measured.with_tests(tests))
+                drawn.append(self._raw(base, np.where(np.isfinite(seen), seen, states)))
         noise = np.std(drawn, axis=0, ddof=1)
         used = noise > 0.0
         usual = np.array([np.median(column[mask]) if mask.any() else 1.0 for column, mask in zip(noise.T, used.T, strict=True)])

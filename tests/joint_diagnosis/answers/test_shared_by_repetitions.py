@@ -32,6 +32,7 @@ def test_windows_of_repetitions_share_what_their_features_share() -> None:
         of_test=np.array([0, 0, 0, 1, 1, 1, 2, 2]),
         width=4,
         measured=SimpleNamespace(sensors=("a", "b"), noise=np.array([0.1, 10.0])),
+        predictions=lambda one: one,
     )
     features = np.zeros((8, 4))
     features[:, 0], features[:3, 2], features[3:6, 2] = 2.0, 1.0, -1.0
