@@ -44,7 +44,7 @@ def calibrate(
     data = Data(paths)
     room = data.plant.room_of("calibrate")
     if room is None:
-        calls.calibrate(data, name, only or [], conf, replace, json, profile, posterior)
+        calls.calibrate_further(data, name, only or [], json, profile, posterior)
         return
     if profile or posterior is not None:
         option = "--profile" if profile else "--posterior"

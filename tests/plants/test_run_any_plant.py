@@ -157,7 +157,7 @@ def test_a_saved_model_runs_with_its_late_inputs_and_the_bounds_of_its_logs(benc
     ("text", "words"),
     [
         ("plant: axis\n", "model 'other' is of plant 'axis'; this test is of plant tanks"),
-        ("plant: tanks\nperiod_s: soon\n", "model.period_s is 'soon'; the time between two samples in seconds"),
+        ("plant: tanks\nperiod_s: soon\n", "model.period_s is 'soon'; a number from 1e-06 to 1e+06 or null is needed"),
         ("plant: tanks\nparameters: {delay.pumps: 1.0}\n", "unknown input 'pumps'"),
         ("plant: tanks\nparameters: {delay.pump: soon}\n", "a delay in seconds is needed"),
     ],

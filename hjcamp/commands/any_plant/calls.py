@@ -103,17 +103,15 @@ def _tell_of_own(console: Console, data: Data) -> None:
     print_wrapped(console, faults_of_own(data.measured.plant), 8, "own")
 
 
-def calibrate(
-    data: Data,
-    name: str,
-    only: list[str],
-    conf: Path,
-    replace: bool,
-    json: Path | None = None,
-    profile: bool = False,
-    draws: Path | None = None,
-) -> None:
+def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool, json: Path | None) -> None:
     """Fit the base parameters of a plant to tests and save them as a model."""
+    calibrate_further(data, name, only, json)
+
+
+def calibrate_further(
+    data: Data, name: str, only: list[str], json: Path | None, profile: bool = False, draws: Path | None = None
+) -> None:
+    """Calibrate, with intervals by likelihood ratio (``profile``) and draws from the posterior in a file where that is asked for."""
     if only:
         raise UsageError(f"--only {only[0]}: it chooses logs of {DEFAULT}; of plant {data.plant_name} name the logs themselves")
     from hjcamp.analyses.uncertainty import check_posterior

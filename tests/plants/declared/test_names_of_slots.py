@@ -13,9 +13,8 @@ from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of, values_
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import load_plants, plant_called
-from hjcamp.model.compile.compose import Composition, term_functions
-from hjcamp.model.compile.function_sources import rates_source
-from hjcamp.model.compile.source_text import copied_function
+from hjcamp.model.compile.compose import Composition
+from hjcamp.model.compile.function_sources import rates_source, terms_source
 from hjcamp.model.declare.effect import Effect
 from hjcamp.model.declare.own_names import OF_EFFECTS, OF_LAWS
 from hjcamp.model.declare.plant import Plant
@@ -70,8 +69,7 @@ def laws_of(plant: type[Plant]) -> dict[str, type[Effect]]:
 
 def rates_of(composition: Composition, changed: dict[str, float]) -> np.ndarray:
     """The rates at usual states by the composed source, as plain Python."""
-    source = "".join(copied_function(name, one) for name, one in term_functions(composition.effects).items())
-    rates = plain_functions(source + rates_source(composition))["rates"]
+    rates = plain_functions(f"{terms_source(composition)}\n{rates_source(composition)}")["rates"]
     z = np.array([0.5 * one.typical for one in composition.states.values()])
     p = np.array([changed.get(name, one.default) for name, one in composition.parameters.items()])
     found, inputs = np.full(len(z), np.nan), composition.plant.inputs
