@@ -14,7 +14,7 @@ def register(app: typer.Typer) -> None:
 
 def schema(
     name: Annotated[
-        str, typer.Argument(help="Which file: campaign, map, model, rig, settings, or a group of choices, such as trajectory.")
+        str, typer.Argument(help="Which file: campaign, map, model, rig, settings, or a group such as trajectory.")
     ],
     plant: Annotated[str | None, typer.Option(help="With the fields, parameters and effects of this plant.")] = None,
 ) -> None:
