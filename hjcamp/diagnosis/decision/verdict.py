@@ -233,9 +233,9 @@ def decided(analysis: Analysis, alpha: float = ALPHA, delta: float = DELTA) -> V
     Nothing is said of a base that a bound keeps away from what is declared. What no law explains is looked at once more.
     """
     found = Decision(Models(analysis, delta), alpha, delta).verdict()
-    if held := _held(analysis, found.shown):
-        return replace(found, word=CANNOT_TELL, effects=(), model=analysis.base, term=None, lacking=(*found.lacking, held))
     judged = math.isfinite(found.gate.upper)
+    if judged and (held := _held(analysis, found.shown)):
+        return replace(found, word=CANNOT_TELL, effects=(), model=analysis.base, term=None, lacking=(*found.lacking, held))
     return _without_law(analysis, found) if judged and not (found.effects or found.term) else found
 
 
