@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from math import log
-
 # One claim in twenty may be wrong: chance of the screening, paired comparisons of models over blocks.
 LEVEL = 0.05
-# After so many time constants (3.0) a start has faded to that level; it is to have done so in half of a window.
-FORGOTTEN = -log(LEVEL)
 # Equal readings in a row at the largest or smallest of all are the sensor's end where chance makes such a row anywhere in the logs,
 # at either end of any sensor, less often than this: one claim in twenty (`hjcamp.diagnosis.data.saturation` counts them).
 ENDS = LEVEL

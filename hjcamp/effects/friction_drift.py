@@ -31,7 +31,6 @@ class FrictionDrift(Effect):
     """
 
     acts_on = "contact"
-    scatters = True
     drift = Parameter("1/period", 5e-5, (-1e-3, 2e-3), text="share of dry friction gained in each second at first", off=0.0)
     viscous_drift = Parameter(
         "1/period", 0.0, (-1e-3, 2e-3), text="share of viscous friction gained in each second at first", off=0.0

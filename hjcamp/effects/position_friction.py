@@ -30,7 +30,6 @@ class PositionFriction(Effect):
     """
 
     acts_on = "contact"
-    scatters = True
     amplitude = Parameter("1", 0.2, (0.0, 0.9), text="largest change of dry friction over its mean", off=0.0)
     viscous_amplitude = Parameter("1", 0.0, (0.0, 0.9), text="largest change of viscous friction over its mean", off=0.0)
     period = Parameter("travel", 1.0, (0.02, 4.0), "log-uniform", "travel of one period", shape=True)

@@ -27,13 +27,6 @@ def width_of(measured: Measured) -> int:
     return int(np.clip(OF_CORRELATION * np.median(times), least, most))
 
 
-def longest_width(measured: Measured) -> int:
-    """Return the most samples that a window may have, so that there are enough windows for a verdict."""
-    lengths = [test.samples for test in measured.tests]
-    most = min(*lengths, sum(lengths) // (3 * FEWEST))
-    return next((width for width in range(most, 0, -1) if sum(length // width for length in lengths) >= 3 * FEWEST), 0)
-
-
 def _correlation(values: Array) -> int:
     """Return the samples after which the autocorrelation of values (n,) falls to 1/e."""
     centred = values - values.mean()

@@ -93,12 +93,6 @@ class Unknown:
         said = f"change of {self.place}" if self.quantity == "value" else f"{self.quantity} at {self.place}"
         return said.replace("_", " ")
 
-    @property
-    def scatters(self) -> bool:
-        """Whether it is friction over place or time, or may be that of each condition: see `Effect.scatters`."""
-        rubs = self.quantity in ("friction", "damping") and self.driver in ("travel", "time")
-        return rubs or (self.quantity == "force" and self.apart > 0.0)
-
 
 def unknowns_of(
     plant: type[Plant], ranges: Mapping[str, tuple[float, float]], courses: Mapping[str, Array] | None = None

@@ -28,12 +28,10 @@ class NoiseFloor:
 
     ``moments`` have one unit of noise more than that, as the likelihood gives it to what a model leaves: sizes of both compare.
     ``source`` is "repetitions", "near_replicates", or "sensor" where neither is there: then it is a lower bound only.
-    ``usual`` is what most windows of repetitions differ by (`usual_size`), and the sensors' noise; not a number where there are none.
     """
 
     source: str
     moments: Array
-    usual: float = math.nan
 
     def of_sensors(self, layout: Layout) -> Array:
         """Return its rms in each sensor's unit (sensors,), SI: the sensor's noise at least."""
@@ -91,9 +89,7 @@ def noise_floor_of(layout: Layout, features: Array) -> NoiseFloor:
     repeated = _of_repetitions(layout, features)
     if repeated is not None:
         moments = repeated.T @ repeated / len(repeated) + np.eye(d)
-        # repetitions of one course may be rounded alike: what they differ by is no less than the sensors' noise
-        rounded = float(np.trace(np.linalg.inv(moments))) / d
-        return NoiseFloor("repetitions", moments, math.hypot(usual_size(repeated, moments), math.sqrt(rounded)))
+        return NoiseFloor("repetitions", moments)
     # what is simulated through depends on more of the past than a window shows: windows that are alike need not err alike
     near = None if layout.memory else _of_neighbours(layout, features)
     if near is not None and not _near_replicates_uninformative(near, features):
@@ -147,12 +143,6 @@ def _side_by_side(layout: Layout, features: Array, tests: Sequence[int]) -> Arra
     rows = [np.flatnonzero(layout.of_test == test) for test in tests]
     shortest = min(len(one) for one in rows)
     return np.stack([features[one[:shortest]] for one in rows])
-
-
-def usual_size(features: Array, moments: Array) -> float:
-    """Return the median over windows of how large features (windows, d) are, in units of moments (d, d): 1 is as large."""
-    squares = np.einsum("wi,ij,wj->w", features, np.linalg.inv(moments), features)
-    return math.sqrt(float(np.median(squares)) / len(moments))
 
 
 def _of_neighbours(layout: Layout, features: Array) -> Array | None:

@@ -63,28 +63,20 @@ class Simulated:
     slides: NDArray[np.bool_] | None = None
     remembered: dict[str, Array] = field(default_factory=dict)
 
-    def readings(self, candidate: Candidate, starts: Array | None = None, friction: float = 1.0) -> tuple[Array, Array]:
-        """Return the predicted readings (n, sensors) and states (n, states of the plant), SI; may hold NaN where it diverges.
-
-        ``friction`` is a factor on the static and Coulomb friction of all contacts.
-        """
-        found = self._predicted(candidate, starts, friction)
+    def readings(self, candidate: Candidate, starts: Array | None = None) -> tuple[Array, Array]:
+        """Return the predicted readings (n, sensors) and states (n, states of the plant), SI; may hold NaN where it diverges."""
+        found = self._predicted(candidate, starts)
         return found.readings, found.states
 
     def predicted(self, candidate: Candidate) -> Predicted:
         """Return what a candidate predicts, from the present starts."""
         return self._predicted(candidate)
 
-    def _predicted(
-        self, candidate: Candidate, starts: Array | None = None, friction: float = 1.0, kept: Array | None = None
-    ) -> Predicted:
+    def _predicted(self, candidate: Candidate, starts: Array | None = None, kept: Array | None = None) -> Predicted:
         """Return what is predicted; where ``kept`` is given the effects' states begin each window so."""
         layout = self.layout
         inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
         begin = self._true(candidate, self.starts if starts is None else starts, inputs)
-        if friction != 1.0:
-            inputs = inputs.copy()
-            inputs[:, layout.names.index("friction_scatter")] *= friction
         kept = self._kept(candidate, begin, inputs) if kept is None else kept
         begin = begin if kept is None else np.concatenate([begin, kept], axis=1)
         return self._read_at_once(candidate, self._run(candidate, begin, inputs, layout.width))

@@ -183,12 +183,12 @@ class Windows(Simulated):
             found[:, :, k] = (self._predicted(candidate, moved, kept=before.kept).ends - base) / (STEP * self.sizes)
         return base / self.sizes, np.where(np.isfinite(found), found, 0.0)
 
-    def features(self, candidate: Candidate, friction: float = 1.0) -> Array:
+    def features(self, candidate: Candidate) -> Array:
         """Return what no start explains (windows, features), in units of the sensors' noise; NaN where the model diverges.
 
         What nothing measures begins where the window before ended.
         """
-        return self._unexplained(candidate, self._predicted(candidate, friction=friction))
+        return self._unexplained(candidate, self._predicted(candidate))
 
     def _unexplained(self, candidate: Candidate, found: Predicted) -> Array:
         """Return what no start explains of the errors of a prediction, and behind it the balances."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -302,15 +302,6 @@ def _within(item: Parameter, share: float, size: float) -> float:
     """Return the share of a probed size, no farther than the parameter's bounds."""
     off = item.off or 0.0
     return (min(max(off + share * size, item.bounds[0]), item.bounds[1]) - off) / size
-
-
-def best_promises(promises: Sequence[Promise]) -> dict[str, Promise]:
-    """Return the best promise of each effect, the best effect first."""
-    best: dict[str, Promise] = {}
-    for one in promises:
-        if one.effect not in best or one.gain > best[one.effect].gain:
-            best[one.effect] = one
-    return dict(sorted(best.items(), key=lambda pair: -pair[1].gain))
 
 
 def free_of_effect(effect: type[Effect]) -> list[Free]:

@@ -96,8 +96,6 @@ class Effect:
     instead: ClassVar[Mapping[str, str]] = {}
     # Whether a diagnosis may name it; if not, it is the form of a contact within what is granted, and nothing beyond.
     claimed: ClassVar[bool] = True
-    # Whether it is friction that differs from place to place or in time, as every contact's does by a little.
-    scatters: ClassVar[bool] = False
     # Drivers in which the law is exact: where what it leaves still depends on one, it was not this effect.
     exact_in: ClassVar[tuple[str, ...]] = ()
     terms: ClassVar[dict[str, Term]] = {}

@@ -163,7 +163,6 @@ def _bound(
         "__module__": effect.__module__,
         "subsystem": ports[0].subsystem or ports[0].kind,
         "same_as": instance.same_as if instance else effect.same_as,
-        "scatters": effect.scatters,
         "claimed": effect.claimed,
         "exact_in": instance.exact_in if instance else effect.exact_in,
         **groups,

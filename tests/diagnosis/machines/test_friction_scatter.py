@@ -9,7 +9,6 @@ import pytest
 from carriage import COULOMB, measured_log
 
 from hjcamp.diagnosis.calibration.analysis import calibrated
-from hjcamp.diagnosis.candidates.nonparametric_terms import unknowns_of
 from hjcamp.diagnosis.data.tests import measured_tests
 from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.effects import load_effects
@@ -32,12 +31,3 @@ def test_friction_that_differs_along_the_travel_is_named(axis: Path, share: floa
     assert (found.word, found.effects) == ("effect", ("position_friction",))
     amplitude = found.model.fitted.candidate.effects["position_friction"]["amplitude"]
     assert 0.5 * share < amplitude < 1.5 * share
-
-
-def test_friction_over_place_or_time_scatters_and_nothing_else_does(axis: Path) -> None:
-    measured = measured_tests([measured_log(seconds=2.0)])
-    library = load_effects(plant=measured.plant)
-    assert [name for name, one in library.items() if one.scatters] == ["friction_drift", "position_friction"]
-    ranges = dict.fromkeys(("position", "velocity", "voltage", "time", "dry"), (-1.0, 1.0))
-    names = {name for name, one in unknowns_of(measured.plant, ranges).items() if one.scatters}
-    assert names == {f"unknown_{what}_over_{driver}" for what in ("friction", "damping") for driver in ("travel", "time")}

@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hjcamp.report.wording.chance import chance_words, p_words
-
-
-def test_the_gain_stands_with_those_by_chance() -> None:
-    drawn = np.linspace(2.0, 6.0, 24)
-    assert chance_words(1 / 25, 158.0, drawn) == "p <= 0.04, the least that 24 replicates can show; gain 158 against at most 6"
-    assert chance_words(3 / 25, 5.9, drawn) == "p = 0.12; gain 5.9 against at most 6"
-    assert chance_words(0.5, 1.0, []) == "p = 0.5"
+from hjcamp.report.wording.chance import p_words
 
 
 @given(st.integers(1, 2000), st.data())
