@@ -73,7 +73,7 @@ class Words:
 
     @property
     def or_outside(self) -> bool:
-        """Whether names are not ruled out beside something outside the library."""
+        """Whether names are not ruled out in addition to something outside the library."""
         return self.verdict.outside and any(self.verdict.confidence_set)
 
     @property

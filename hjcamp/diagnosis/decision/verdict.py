@@ -46,7 +46,7 @@ class Verdict:
     """The verdict with the models behind it.
 
     ``effects`` are what to add, or all that is in one of the sets that are not ruled out (``confidence_set``), of which ``model`` has
-    the first; something ``outside`` the library may not be ruled out beside them. ``named`` and ``terms`` are fits of one candidate.
+    the first; something ``outside`` the library may not be ruled out either. ``named`` and ``terms`` are fits of one candidate.
     ``term`` is the non-parametric term that explains most where no name suffices; ``law_left`` the share of what the best model
     explains that the names leave; ``follows`` the share that follows from the motion where no law does; ``swing`` what oscillates by
     itself, ``differs`` a base for each condition. ``lacking`` says why these tests cannot tell.
