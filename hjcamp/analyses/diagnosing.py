@@ -9,6 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, Report, silent
+from hjcamp.diagnosis.levels import ALPHA, DELTA
 from hjcamp.errors import UsageError, shown, unknown
 
 if TYPE_CHECKING:
@@ -37,8 +38,8 @@ class Asked:
     workers: int | None = None
     cluster: str | None = None
     ask: str | None = None
-    alpha: float = 0.05
-    delta: float = 0.10
+    alpha: float = ALPHA
+    delta: float = DELTA
 
     def check(self) -> None:
         """Refuse an unknown effort, and a seed and a number of processes that a run would not take."""

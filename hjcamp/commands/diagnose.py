@@ -10,6 +10,7 @@ import typer
 from hjcamp.analyses.data import Data
 from hjcamp.analyses.diagnosing import Asked, check_workers
 from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.diagnosis.levels import ALPHA, DELTA
 from hjcamp.errors import UsageError, unknown
 
 METHODS = ("own", "common")
@@ -48,8 +49,8 @@ def diagnose(
     ] = "own",
     alpha: Annotated[
         float, typer.Option(help="The level of the whole answer: how often something is claimed where nothing is.")
-    ] = 0.05,
-    delta: Annotated[float, typer.Option(help="The smallest share of the error above repeatability that matters.")] = 0.10,
+    ] = ALPHA,
+    delta: Annotated[float, typer.Option(help="The smallest share of the error above repeatability that matters.")] = DELTA,
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
     from hjcamp.commands.any_plant import calls
@@ -59,7 +60,11 @@ def diagnose(
     if method not in METHODS:
         raise unknown("method", method, METHODS, "--method")
     check_workers(workers)
+    changed = (("alpha", alpha, ALPHA), ("delta", delta, DELTA))
+    others = next((f"--{name} {value:g}" for name, value, usual in changed if value != usual), "")
     if tables is not None:
+        if others:
+            raise UsageError(f"{others}: tables are judged at levels of their own")
         if model != "published":
             raise UsageError(f"--model {model}: tables are judged from the published model")
         words = [tables, *map(str, paths or [])]
@@ -73,5 +78,10 @@ def diagnose(
     asked = Asked(model, effort, seed, only, without, workers, cluster, ask, alpha, delta)
     asked.check()
     data = Data(paths, common=method == "common")
+    own = None if data.common else data.plant.room_of("diagnose")
+    if own and others:
+        raise UsageError(
+            f"{others}: plant {data.plant_name} is judged at levels of its own; with --method common like any plant"
+        )
     folder_for("diagnose", data.paths, json)  # a link in its place is refused before anything is computed
-    (calls if data.common else data.plant.room_of("diagnose") or calls).diagnose(data, asked, json)
+    (own or calls).diagnose(data, asked, json)

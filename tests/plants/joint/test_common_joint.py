@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from hjcamp.model.language.vocabulary import read_vocabulary
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.common import CommonJoint
 from hjcamp.records.log import TestLog
+from hjcamp.records.write import write_log
 
 SHARED = ("pressure1", "pressure2", "slider_position", "slider_velocity")
 READ = {"arm_reading": "encoder", "pressure1_reading": "gauge1", "pressure2_reading": "gauge2"}
@@ -94,3 +96,15 @@ def test_the_hardware_of_a_log_is_known_but_for_what_is_calibrated() -> None:
 def test_an_unknown_method_is_refused_before_anything_is_read(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["diagnose", "nowhere", "--method", "comon"]) == 2
     assert "did you mean 'common'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--alpha", "--delta"])
+def test_numbers_that_would_decide_nothing_are_refused(
+    option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_log(tmp_path / "logs" / "one.mcap", log())
+    assert cli.run(["diagnose", "logs", option, "0.02"]) == 2
+    assert f"{option} 0.02: plant pump_joint is judged at levels of its own; with --method common" in capsys.readouterr().err
+    assert cli.run(["diagnose", "--tables", "table.csv", option, "0.02"]) == 2
+    assert f"{option} 0.02: tables are judged at levels of their own" in capsys.readouterr().err
