@@ -18,6 +18,7 @@ from hjcamp.errors import UsageError
 
 ONE_OF = said("one_of", "spring", "soft_stop")
 SPRING = said("effect", "spring")
+OR_OUTSIDE = said("outside_library") | {"confidence_set": [["spring"], ["soft_stop"]]}
 Follow = Callable[..., Script]
 
 
@@ -58,6 +59,8 @@ def test_rounds_until_one_verdict_stands(follow: Follow, capsys: pytest.CaptureF
         (Script(SPRING), (), "1min", "verdict", 1),
         (Script(said("outside_library")), (), "1min", "verdict", 1),
         (Script(said("effect", "spring", p=None)), (), "1min", "verdict", 1),
+        # one of these names, or something outside: further tests
+        (Script(OR_OUTSIDE, SPRING), (), "1min", "verdict", 2),
         # not at the level, or more than the noise floor is left: further tests
         (Script(said("effect", "spring", p=0.04), SPRING), ("--level", "0.02"), "1min", "verdict", 2),
         (Script(said("effect", "spring", error=3.0), SPRING), (), "1min", "verdict", 2),

@@ -149,6 +149,8 @@ class Hunter:
         """Whether a verdict leaves nothing to test: something outside the library, or names that leave no more than the noise floor."""
         if found.get("verdict") not in SETTLED or (found.get("p_value") or 0.0) > self.options.level:
             return False
+        if found["verdict"] == "outside_library" and any(found["not_ruled_out"]):
+            return False  # one of these names, or something outside: rivals remain
         left = found["error"]["augmented"]
         return found["verdict"] != "effect" or left is None or left <= self.options.within
 

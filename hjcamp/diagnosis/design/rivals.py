@@ -105,7 +105,8 @@ def sets_of(answer: Mapping[str, Any]) -> list[tuple[str, ...]]:
         return named[:MOST]
     if answer["verdict"] == EFFECT:
         return [tuple(answer["effects"]), *others][:MOST_FOUND]
-    return [*((row["law"],) for row in answer["unknowns"]), *others][:MOST_FOUND]
+    laws = ((row["law"],) for row in answer["unknowns"])
+    return list(dict.fromkeys(one for one in (*named, *laws, *others) if one))[:MOST_FOUND]
 
 
 def check_names(library: Mapping[str, Any], names: Sequence[str]) -> list[str]:

@@ -48,6 +48,14 @@ def test_what_a_refit_costs_on_measured_tests_counts() -> None:
     assert deviate(left, NOISE, worse=10.0) > deviate(left, NOISE) + 1.0
 
 
+def test_names_that_are_not_ruled_out_are_rivals_of_the_law_that_is_outside() -> None:
+    rows = [{"effect": name, "heldout_error_ratio": 0.4} for name in ("spring", "soft_stop", "leakage")]
+    laws = [{"law": "unknown_force_over_position"}]
+    answer = {"verdict": "outside_library", "effects": [], "confidence_set": [["spring"]], "candidates": rows, "unknowns": laws}
+    assert sets_of(answer) == [("spring",), ("unknown_force_over_position",), ("soft_stop",)]
+    assert sets_of({**answer, "confidence_set": []})[0] == ("unknown_force_over_position",)
+
+
 def test_where_tests_cannot_tell_what_takes_most_stands_against_nothing() -> None:
     rows = [
         {"effect": name, "heldout_error_ratio": left}
