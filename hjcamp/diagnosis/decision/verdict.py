@@ -235,7 +235,8 @@ def decided(analysis: Analysis, alpha: float = ALPHA, delta: float = DELTA) -> V
     found = Decision(Models(analysis, delta), alpha, delta).verdict()
     judged = math.isfinite(found.gate.upper)
     if judged and (held := _held(analysis, found.shown)):
-        return replace(found, word=CANNOT_TELL, effects=(), model=analysis.base, term=None, lacking=(*found.lacking, held))
+        none = Verdict(CANNOT_TELL, found.gate, analysis.base, found.named, found.terms, alpha=alpha, delta=delta)
+        return replace(none, lacking=(*found.lacking, held))
     return _without_law(analysis, found) if judged and not (found.effects or found.term) else found
 
 

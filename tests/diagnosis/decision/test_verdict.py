@@ -157,6 +157,8 @@ def test_nothing_is_said_of_a_base_that_a_bound_holds_with_what_was_found_too(
     found = decided(models.analysis)
     assert (found.word, found.effects) == (word, () if stays else ("effect_0",))
     assert not stays or found.lacking[-1].startswith("mass was driven to its bound, far from what is declared")
+    # nothing of what would have been said without the bound is left
+    assert not stays or (found.confidence_set, found.outside, found.rivals, found.term) == (((),), False, (), None)
 
 
 def stored(name: str) -> Any:
