@@ -60,13 +60,9 @@ def diagnose(
     if method not in METHODS:
         raise unknown("method", method, METHODS, "--method")
     check_workers(workers)
-    changed = (("alpha", alpha, ALPHA), ("delta", delta, DELTA))
-    others = next((f"--{name} {value:g}" for name, value, usual in changed if value != usual), "")
+    others = _unusual(alpha, delta)
     if tables is not None:
-        if others:
-            raise UsageError(f"{others}: tables are judged at levels of their own")
-        if model != "published":
-            raise UsageError(f"--model {model}: tables are judged from the published model")
+        _only_for_logs(others, "" if model == "published" else f"--model {model}")
         words = [tables, *map(str, paths or [])]
         usual_plant().own_room("tables").diagnose_tables(words, held_out, json, effort, seed, workers, only, without)
         return
@@ -85,3 +81,15 @@ def diagnose(
         )
     folder_for("diagnose", data.paths, json)  # a link in its place is refused before anything is computed
     (own or calls).diagnose(data, asked, json)
+
+
+def _only_for_logs(*options: str) -> None:
+    """Refuse what tables do not read: they are judged from the published model, at levels of their own."""
+    for option in filter(None, options):
+        raise UsageError(f"{option}: tables are judged from the published model, at levels of their own")
+
+
+def _unusual(alpha: float, delta: float) -> str:
+    """The first number of the decision that is not as usual, as it was asked; empty where both are."""
+    changed = (("alpha", alpha, ALPHA), ("delta", delta, DELTA))
+    return next((f"--{name} {value:g}" for name, value, usual in changed if value != usual), "")

@@ -107,4 +107,4 @@ def test_numbers_that_would_decide_nothing_are_refused(
     assert cli.run(["diagnose", "logs", option, "0.02"]) == 2
     assert f"{option} 0.02: plant pump_joint is judged at levels of its own; with --method common" in capsys.readouterr().err
     assert cli.run(["diagnose", "--tables", "table.csv", option, "0.02"]) == 2
-    assert f"{option} 0.02: tables are judged at levels of their own" in capsys.readouterr().err
+    assert f"{option} 0.02: tables are judged from the published model, at levels of their own" in capsys.readouterr().err
