@@ -1,11 +1,13 @@
 r"""Intervals by likelihood ratio: one parameter is held, all others are fitted again.
 
-.. math:: R(x) = 2 \frac{B_{pp}}{V_{pp}} \bigl(\min_{\theta: \theta_p = x} \ell(\theta) - \ell(\hat\theta)\bigr)
-          \le \chi^2_{1, 0.95}
+.. math:: R(x) = 2 \frac{H^{-1}_{pp}}{V_{pp}} \frac{\chi^2_{1, 0.95}}{t^2_{B - 1, 0.975}}
+          \bigl(\min_{\theta: \theta_p = x} \ell(\theta) - \ell(\hat\theta)\bigr) \le \chi^2_{1, 0.95}
 
-The factor, inverse information over the covariance with blocks as clusters, takes off what windows repeat of each other (Chandler &
-Bate 2007, doi:10.1093/biomet/asm015). Starts of windows stay where the whole fit has put them. Source of the profile: Raue et al. 2009,
-doi:10.1093/bioinformatics/btp358.
+The first factor, inverse curvature H over the covariance V with the B blocks as clusters, gives the loss the curvature of what is
+known: it is below 1 where windows repeat each other, and above 1 where the sensors' noise, which the loss adds to what it is in the
+features already, makes the loss too flat (Chandler & Bate 2007, doi:10.1093/biomet/asm015; Varin, Reid & Firth 2011, section 2.3). The
+second is for V being estimated from B blocks. Starts of windows stay where the whole fit has put them. Source of the profile: Raue et
+al. 2009, doi:10.1093/bioinformatics/btp358.
 """
 
 from __future__ import annotations
@@ -85,15 +87,18 @@ def limit() -> float:
 
 def profiles(windows: Windows, fitted: Fitted, blocks: NDArray[np.int64], names: set[tuple[str, str]]) -> Iterator[Profile]:
     """Yield the profile of each free parameter that ``names`` has as (effect, name)."""
+    from scipy.special import stdtrit
+
     if fitted.place is not None:
         windows.place = fitted.place
     found = covariance_of(fitted, blocks)
     naive = np.diag(np.linalg.pinv(fitted.information))
     spread = np.sqrt(np.maximum(np.diag(found.readings), 0.0))
+    few = limit() / float(stdtrit(max(len(np.unique(blocks)), 2) - 1, 1.0 - LEVEL / 2.0)) ** 2
     for k, one in enumerate(fitted.free):
         if (one.effect, one.name) in names:
             told = bool(found.told[k]) and spread[k] > 0.0
-            factor = min(1.0, float(naive[k] / spread[k] ** 2)) if told else 1.0
+            factor = float(naive[k] / spread[k] ** 2) * few if told else 1.0
             usual = float(spread[k]) if told else _room(one, fitted) / (FIRST * GROWTH**STEPS)
             yield _profile(windows, fitted, k, usual, factor)
 

@@ -125,5 +125,5 @@ def test_of_a_hundred_intervals_by_likelihood_ratio_the_truth_is_in_about_95() -
         covered += bool(one.low is not None and one.high is not None and one.low <= 2.5 <= one.high)
         Path("logs/0.mcap").unlink()
     print(f"{covered} of 100")
-    # three of a hundred for the method, two standard deviations of a hundred draws on top
-    assert 88 <= covered <= 100
+    # two standard deviations of a hundred draws about 95, and the curvature of the loss alone gave 99
+    assert 91 <= covered <= 98
