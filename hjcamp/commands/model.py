@@ -1,7 +1,8 @@
-"""Take a model along: its equations, values and integrator as one file for Python, python-control, FMI or LaTeX."""
+"""Take a model along: its equations, values and integrator as one file for Python, python-control, FMI, MuJoCo or LaTeX."""
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -10,8 +11,8 @@ import typer
 from hjcamp.commands.shared.session import AnswerFile
 from hjcamp.errors import UsageError, unknown
 
-SUFFIXES = {"python": ".py", "control": ".py", "latex": ".tex", "fmu": ".fmu"}
-USAGE = "hjcamp model export PLANT_OR_MODEL --as python|control|latex|fmu [--model M | --run RUN] [--into FILE]"
+SUFFIXES = {"python": ".py", "control": ".py", "latex": ".tex", "fmu": ".fmu", "mujoco": ".xml"}
+USAGE = "hjcamp model export PLANT_OR_MODEL --as python|control|latex|fmu|mujoco [--model M | --run RUN] [--into FILE]"
 
 
 def register(app: typer.Typer) -> None:
@@ -22,7 +23,7 @@ def register(app: typer.Typer) -> None:
 def model(
     words: Annotated[list[str], typer.Argument(metavar="export PLANT_OR_MODEL", help="A plant, or a model of conf/model.")],
     kind: Annotated[
-        str, typer.Option("--as", help="python (numpy alone), control (python-control), latex or fmu (FMI 2.0).")
+        str, typer.Option("--as", help="python (numpy alone), control (python-control), latex, fmu (FMI 2.0) or mujoco (MJCF).")
     ] = "python",
     saved: Annotated[str, typer.Option("--model", help="A saved model of the plant.", show_default=False)] = "",
     run: Annotated[
@@ -32,7 +33,7 @@ def model(
     into: Annotated[Path | None, typer.Option(help="The file to write; NAME and the usual suffix by default.")] = None,
     json: AnswerFile = None,
 ) -> None:
-    """Take a model along: its equations, values and integrator as one file for Python, python-control, FMI or LaTeX."""
+    """Take a model along: its equations, values and integrator as one file for Python, python-control, FMI, MuJoCo or LaTeX."""
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.storage import check_place
 
@@ -46,7 +47,7 @@ def model(
     path = into or Path(f"{words[1]}{'_control' if kind == 'control' else ''}{SUFFIXES[kind]}")
     if path.suffix != SUFFIXES[kind]:
         raise UsageError(f"--into {path}: a file of kind {kind} ends in {SUFFIXES[kind]}")
-    if kind != "latex" and not path.stem.isidentifier():
+    if kind not in ("latex", "mujoco") and not path.stem.isidentifier():
         raise UsageError(
             f"--into {path}: what is imported has a name of letters, digits and _, such as {words[1]}{SUFFIXES[kind]}"
         )
@@ -60,11 +61,16 @@ def export(name: str, kind: str, saved: str, run: Path | None, condition: str, p
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.model.export.equations import latex_file
     from hjcamp.model.export.fmu_file import write_fmu
+    from hjcamp.model.export.joint_values import mapped
+    from hjcamp.model.export.mujoco_file import mujoco_file
     from hjcamp.model.export.python_file import python_file
     from hjcamp.storage import write_whole
 
     exported = model_to_export(name, saved, run, condition)
-    if kind == "fmu":
+    joints = mapped(exported) if kind == "mujoco" else None
+    if joints:
+        write_whole(path, mujoco_file(exported, joints))
+    elif kind == "fmu":
         write_fmu(path, exported)
     else:
         write_whole(path, latex_file(exported) if kind == "latex" else python_file(exported, kind))
@@ -74,11 +80,14 @@ def export(name: str, kind: str, saved: str, run: Path | None, condition: str, p
     console.print(f"         inputs {', '.join(exported.given) or 'none'}; readings {said}", markup=False, soft_wrap=True)
     if lacks := exported.source.get("lacks"):
         console.print(f"         without {lacks}", markup=False, soft_wrap=True)
+    for sentence in joints.lost if joints else ():
+        console.print(f"         not expressed: {sentence}", markup=False, soft_wrap=True)
     use = {
         "python": f"python {path}; from {path.stem} import simulate",
         "control": f"from {path.stem} import system, initial",
         "latex": f"pdflatex {path}",
         "fmu": f"fmpy info {path}",
+        "mujoco": f"python -m mujoco.viewer --mjcf={path}",
     }
     console.print(f"next     {use[kind]}", markup=False, soft_wrap=True)
     return {
@@ -91,4 +100,5 @@ def export(name: str, kind: str, saved: str, run: Path | None, condition: str, p
         "inputs": exported.given,
         "readings": {key: one[0] for key, one in exported.readings.items()},
         "source": dict(exported.source),
+        **({"joints": [asdict(one) for one in joints.joints], "not_expressed": list(joints.lost)} if joints else {}),
     }
