@@ -217,7 +217,8 @@ def smallest(analysis: Analysis) -> Iterator[Smallest]:
     """Yield for each effect the smallest amplitude that the tests would show; the most visible of its usual shapes."""
     from scipy.special import ndtri
 
-    from hjcamp.diagnosis.screening.screening import ProbedModel, Projection, far_off, probes_of
+    from hjcamp.diagnosis.screening.screening import ProbedModel, Projection, probes_of
+    from hjcamp.diagnosis.screening.settings import far_off
 
     fitted, library = analysis.base.fitted, analysis.search.library
     probed, projection = ProbedModel.of(analysis.windows, fitted), Projection(fitted)

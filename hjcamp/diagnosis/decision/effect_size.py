@@ -9,7 +9,7 @@ import numpy as np
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.data.repeatability import in_units
-from hjcamp.diagnosis.screening.screening import amplitudes_of, far_off
+from hjcamp.diagnosis.screening.settings import amplitudes_of, far_off
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.effect import Effect
 

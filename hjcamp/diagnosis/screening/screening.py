@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -15,15 +14,12 @@ from hjcamp.diagnosis.candidates.visited_range import Range
 from hjcamp.diagnosis.estimation.gauss_newton import Fitted, Free
 from hjcamp.diagnosis.estimation.likelihood import loss, whitener
 from hjcamp.diagnosis.residuals.windows import Windows
+from hjcamp.diagnosis.screening.settings import amplitudes_of, far_off, neighbours_of, reach_of, shape_grid
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.declare.effect import Effect
 from hjcamp.model.declare.parameter import Parameter
 
 Array = NDArray[np.float64]
-# Values tried of each shape, between bounds or within this factor of the usual value; all of them for two shapes at most.
-SHAPES = 4
-FACTOR = 8.0
-MOST_SHAPES = 2
 # Of what is probed: an effect that fits best so small promises nothing. A fit may find it smaller.
 NEGLIGIBLE = 0.03
 # A response is scaled down to the error at hand where it is more than this often as large: it would not be linear.
@@ -34,7 +30,10 @@ SMALL = 0.05
 
 @dataclass(frozen=True)
 class Probe:
-    """One effect at one setting of its shapes: its responses (windows, d, amplitudes) to ``sizes`` of its amplitudes."""
+    """One effect at one setting of its shapes: its responses (windows, d, amplitudes) to ``sizes`` of its amplitudes.
+
+    ``moves`` (free, amplitudes) are what the model's free parameters were moved by with each, in units of their scales.
+    """
 
     effect: str
     setting: Mapping[str, float]
@@ -42,6 +41,7 @@ class Probe:
     sizes: Array
     one_sided: bool
     responses: Array
+    moves: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -54,19 +54,42 @@ class ProbedModel:
     candidate: Candidate
     features: Array
     error: float
+    projection: Projection
 
     @classmethod
     def of(cls, windows: Windows, fitted: Fitted) -> ProbedModel:
         """Return it for a fitted model."""
-        error, candidate = float(np.linalg.norm(fitted.features)), fitted.candidate
+        error, candidate, projection = float(np.linalg.norm(fitted.features)), fitted.candidate, Projection(fitted)
         if not windows.forms & set(candidate.effects):
-            return cls(candidate, fitted.features, error)
+            return cls(candidate, fitted.features, error, projection)
         plain = candidate.without(windows.forms)
-        return cls(plain, windows.features(plain), error)
+        return cls(plain, windows.features(plain), error, projection)
 
     def response(self, windows: Windows, effect: str, values: Mapping[str, float]) -> Array:
         """Return what an effect changes (windows, d)."""
         return windows.features(self.candidate.with_effect(effect, values)) - self.features
+
+    def compensated(self, windows: Windows, effect: str, values: Mapping[str, float], response: Array) -> tuple[Array, Array]:
+        """Return what an effect changes with free parameters moved against it (windows, d), and their moves (free,).
+
+        Where they take most of a response away, what they leave of a finite one is their curvature and not the effect.
+        """
+        free = self.projection.fitted.free
+        steps = self.projection.steps(response)
+        still = np.zeros(len(free))
+        if not np.all(np.isfinite(response)) or not self.projection.takes_most(response, steps):
+            return response, still
+        candidate = self.candidate
+        for one, step in zip(free, steps, strict=True):
+            if step and (not one.effect or one.effect in candidate.effects):
+                candidate = one.into(candidate, one.of(candidate) + float(np.clip(step, -1.0, 1.0)))
+        moved = windows.features(candidate.with_effect(effect, values)) - self.features
+        if not np.linalg.norm(moved) < np.linalg.norm(response):
+            return response, still
+        known = [not one.effect or one.effect in candidate.effects for one in free]
+        return moved, np.array(
+            [one.of(candidate) - one.of(self.candidate) if at else 0.0 for one, at in zip(free, known, strict=True)]
+        )
 
 
 @dataclass(frozen=True)
@@ -78,69 +101,6 @@ class Promise:
     candidate: Candidate
 
 
-def amplitudes_of(effect: type[Effect]) -> tuple[str, ...]:
-    """Return the parameters at whose ``off`` value the effect is absent, the first and all that are no shape next to it.
-
-    All that are no shape where it declares none.
-    """
-    found = [name for name, item in effect.parameters.items() if item.off is not None]
-    kept = [name for name in found if name == found[0] or not effect.parameters[name].shape]
-    return tuple(kept or [name for name, item in effect.parameters.items() if not item.shape][:1])
-
-
-def shape_grid(effect: type[Effect], visited: Mapping[str, Range]) -> Iterator[dict[str, float]]:
-    """Yield settings of the effect's shapes: its usual values, and a grid over what the tests visit, or about them."""
-    shapes = [item for item in effect.parameters.values() if item.shape][:MOST_SHAPES]
-    yield {}
-    for values in itertools.product(*(_tried(item, visited) for item in shapes)) if shapes else ():
-        yield {item.name: value for item, value in zip(shapes, values, strict=True)}
-
-
-def neighbours_of(
-    effect: type[Effect], setting: Mapping[str, float], share: float, visited: Mapping[str, Range]
-) -> Iterator[dict[str, float]]:
-    """Yield settings with one shape moved to either side by a share of the range that is tried of it."""
-    for item in effect.parameters.values():
-        if not item.shape:
-            continue
-        now, (low, high) = setting[item.name], item.bounds
-        for sign in (1.0, -1.0):
-            if item.cyclic:
-                moved = (now + sign * share * math.tau + math.pi) % math.tau - math.pi
-            elif _is_log(item):
-                moved = now * FACTOR ** (2.0 * sign * share)
-            else:
-                moved = now + sign * share * (max(_tried(item, visited)) - min(_tried(item, visited)))
-            if low <= moved <= high:
-                yield {**setting, item.name: moved}
-
-
-def _is_log(item: Parameter) -> bool:
-    low, high = item.bounds
-    return not item.placed and (item.prior != "uniform" or (low > 0.0 and high / low > 30.0))
-
-
-def _tried(item: Parameter, visited: Mapping[str, Range]) -> list[float]:
-    low, high = item.bounds
-    if item.cyclic:
-        return [0.0, math.pi / 2.0, -math.pi / 2.0, 0.999 * math.pi]
-    if item.name in visited:
-        first, last = visited[item.name]
-        if _is_log(item):
-            bottom, top = (last - first) / FACTOR, max(abs(first), abs(last), last - first)
-        else:
-            bottom, top = first, last
-    elif _is_log(item):
-        bottom, top = item.default / FACTOR, item.default * FACTOR
-    else:
-        reach = FACTOR / 2.0 * abs(item.default) if item.default else high
-        bottom, top = item.default - reach, item.default + reach
-    bottom, top = (min(max(one, low), high) for one in (bottom, top))
-    if _is_log(item):
-        return [float(x) for x in np.geomspace(bottom, top, SHAPES)]
-    return [float(x) for x in np.linspace(bottom, top, SHAPES + 2)[1:-1]]
-
-
 def probes_of(windows: Windows, probed: ProbedModel, effect: type[Effect], visited: Mapping[str, Range]) -> Iterator[Probe]:
     """Yield the probes of a named effect; ``visited`` is as in `visited_shapes`."""
     for setting in shape_grid(effect, visited):
@@ -149,13 +109,13 @@ def probes_of(windows: Windows, probed: ProbedModel, effect: type[Effect], visit
 
 def _probe(windows: Windows, probed: ProbedModel, effect: type[Effect], setting: Mapping[str, float]) -> Iterator[Probe]:
     """Yield the probe at one setting of the shapes, of each amplitude alone; none where the model diverges."""
-    names, sizes, responses = amplitudes_of(effect), [], []
+    names, sizes, responses, moves = amplitudes_of(effect), [], [], []
     values = {**effect.defaults(), **setting}
     absent = {name: effect.parameters[name].off or 0.0 for name in names[1:]}
     for name in names:
         item = effect.parameters[name]
         off = item.off or 0.0
-        size = values[name] - off or 0.1 * _reach(item)
+        size = values[name] - off or 0.1 * reach_of(item)
         for _ in range(SCALINGS):
             own = {**values, **absent, names[0]: effect.parameters[names[0]].off or 0.0, name: off + size}
             response = probed.response(windows, effect.name, own)
@@ -163,11 +123,13 @@ def _probe(windows: Windows, probed: ProbedModel, effect: type[Effect], setting:
             if larger <= LARGE or far_off(item):
                 break
             size /= larger if math.isfinite(larger) else UNSTABLE
+        response, move = probed.compensated(windows, effect.name, own, response)
         sizes.append(size)
         responses.append(response)
+        moves.append(move)
     if np.all(np.isfinite(responses)):
         sided = len(names) == 1 and effect.parameters[names[0]].bounds[0] >= (effect.parameters[names[0]].off or 0.0)
-        yield Probe(effect.name, values, names, np.array(sizes), sided, np.stack(responses, axis=2))
+        yield Probe(effect.name, values, names, np.array(sizes), sided, np.stack(responses, axis=2), np.stack(moves, axis=1))
 
 
 def refined(
@@ -187,18 +149,6 @@ def refined(
                 promise = projection.promise(probe, effect)
                 best = promise if promise.gain > best.gain else best
     return best
-
-
-def far_off(item: Parameter) -> bool:
-    """Whether an effect is absent at the far end of a parameter (a limit): it is nowhere in proportion to it."""
-    return abs(item.off or 0.0) > abs(item.default)
-
-
-def _reach(item: Parameter) -> float:
-    if item.placed:
-        return 0.5 * (item.bounds[1] - item.bounds[0])
-    finite = [abs(one) for one in item.bounds if math.isfinite(one) and one != 0.0]
-    return min(finite) if finite else 1.0
 
 
 def probes_of_unknown(windows: Windows, probed: ProbedModel, unknown: Unknown) -> Iterator[Probe]:
@@ -229,6 +179,18 @@ class Projection:
         stacked = self._slopes
         u, s, _ = np.linalg.svd(stacked, full_matrices=False) if self._rows else (stacked, np.zeros(0), None)
         self._span = u[:, s > 1e-8 * s[0]] if len(s) and s[0] > 0.0 else np.zeros((len(stacked), 0))
+
+    def steps(self, response: Array) -> Array:
+        """Return the steps (free,) of the free parameters that take most of a response (windows, d) away, in units of their scales."""
+        found = np.zeros(len(self.fitted.free))
+        target = np.concatenate([(response @ self.whitener).ravel(), np.zeros(self._rows)])
+        found[self._free] = np.linalg.lstsq(self._slopes, -target, rcond=1e-8)[0] if self._rows else 0.0
+        return found
+
+    def takes_most(self, response: Array, steps: Array) -> bool:
+        """Whether steps of the free parameters (free,) take more than half (rms) of a response (windows, d) away."""
+        left = (response + self.fitted.slopes @ steps) @ self.whitener
+        return bool(np.linalg.norm(left) < 0.5 * np.linalg.norm(response @ self.whitener))
 
     def free_of_base(self, features: Array) -> Array:
         """Return features (windows, d) or responses (windows, d, k), white and projected, as columns (n, k)."""
@@ -284,13 +246,13 @@ class Projection:
     def _with_share(self, probe: Probe, parameters: dict[str, float], share: Array) -> Candidate:
         """Return the model with the effect, its other free parameters moved to where they fit best next to it."""
         fitted = self.fitted
-        target = np.einsum("wfk,k,fg->wg", probe.responses, share, self.whitener).ravel()
-        target = np.concatenate([target, np.zeros(self._rows)])
-        steps = np.linalg.lstsq(self._slopes, -target, rcond=1e-8)[0] if self._rows else np.zeros(len(self._free))
+        steps = self.steps(probe.responses @ share)
+        if probe.moves is not None:
+            steps += probe.moves @ share
         candidate = fitted.candidate
-        for k, step in zip(self._free, steps, strict=True):
+        for k in self._free:
             one = fitted.free[k]
-            candidate = one.into(candidate, one.of(candidate) + float(np.clip(step, -1.0, 1.0)))
+            candidate = one.into(candidate, one.of(candidate) + float(np.clip(steps[k], -1.0, 1.0)))
         return candidate.with_effect(probe.effect, parameters)
 
     def _loss(self, white: Array) -> float:
@@ -310,7 +272,7 @@ def free_of_effect(effect: type[Effect]) -> list[Free]:
     for name, item in effect.parameters.items():
         low, high = item.bounds
         log = item.prior != "uniform" and low > 0.0
-        size = 0.1 * _reach(item) if item.placed or item.default == 0.0 else abs(item.default)
+        size = 0.1 * reach_of(item) if item.placed or item.default == 0.0 else abs(item.default)
         found.append(Free(effect.name, name, size, low, high, log))
     return found
 

@@ -12,7 +12,7 @@ from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.candidates.equivalence import law_of
 from hjcamp.diagnosis.candidates.visited_range import largest_commands, visited_shapes
 from hjcamp.diagnosis.data.tests import measured_tests
-from hjcamp.diagnosis.screening.screening import amplitudes_of, shape_grid
+from hjcamp.diagnosis.screening.settings import amplitudes_of, shape_grid
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import find_plant
 from hjcamp.model.declare.candidate import Candidate
