@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,9 +53,19 @@ class Balance:
         return ORDERS + self.whole
 
 
+class Usual(NamedTuple):
+    """What the balances (windows, features) of a true model are: as states are estimated, and of its predicted states alone."""
+
+    estimated: Array
+    simulated: Array
+
+
 @dataclass
 class Balances:
-    """The balances of the windows of a layout, at ``states`` (n, states) as they were measured, or filled in where nothing measures."""
+    """The balances of the windows of a layout, at ``states`` (n, states) as they were measured, or filled in where nothing measures.
+
+    ``usual`` is what they are where the base is true, ``further`` what more draws of the noise make of that.
+    """
 
     layout: Layout
     kernels: Kernels
@@ -64,8 +74,8 @@ class Balances:
     blocks: NDArray[np.int64]
     balanced: tuple[Balance, ...] = ()
     scale: Array = field(default_factory=lambda: np.ones(1))
-    usual: Array = field(default_factory=lambda: np.zeros(1))
-    simulated: Array = field(default_factory=lambda: np.zeros(1))
+    usual: Usual = field(default_factory=lambda: Usual(np.zeros(1), np.zeros(1)))
+    further: Array = field(default_factory=lambda: np.zeros(1))
 
     @classmethod
     def of(
@@ -82,15 +92,35 @@ class Balances:
         found.balanced = tuple(found._able(base, seen))
         if not found.balanced:
             return None
-        found.usual, found.scale, found.simulated = found._chance(base, predicted)
+        drawn = found._drawn(base, predicted, DRAWS)
+        noise = np.std(drawn, axis=0, ddof=1)
+        usual = [np.median(column[mask]) if mask.any() else 1.0 for column, mask in zip(noise.T, (noise > 0.0).T, strict=True)]
+        found.scale = np.maximum(usual, 1e-300)
+        found.further = np.mean(drawn, axis=0) - np.mean(drawn[:2], axis=0)
+        found.usual = found.usual_of(base, predicted)
         return found
 
-    def features(self, candidate: Candidate, predicted: Predicted | None = None) -> Array:
+    def features(self, candidate: Candidate, predicted: Predicted | None = None, usual: Usual | None = None) -> Array:
         """Return the balances (windows, features) less what they are where nothing is missing, in units of their noise."""
-        raw = self._raw(candidate, self.states) - self.usual
+        usual = usual or self.usual
+        raw = self._raw(candidate, self.states) - usual.estimated
         if predicted:
-            raw = raw - self._of_sensors(candidate, predicted) - self._of_memory(candidate, predicted)
+            raw = raw - self._of_sensors(candidate, predicted) - self._of_memory(candidate, predicted, usual)
         return np.asarray(raw / self.scale)
+
+    def usual_of(self, candidate: Candidate, predicted: Predicted) -> Usual:
+        """Return what the balances of a model are where it is true, by what it predicts.
+
+        Of what the predicted states themselves balance to, that within windows is part of it (a sum in the place of an integral),
+        not how far off the next one begins.
+        """
+        plain = candidate.without(self._erring(candidate))
+        drawn = np.mean(self._drawn(plain, predicted, 2), axis=0) + self.further
+        states = np.where(np.isfinite(predicted.states), predicted.states, self.states)
+        simulated = self._raw(plain, states, predicted.ends)
+        if len(plain.effects) < len(candidate.effects):
+            states = self._shown(predicted, self._along(plain, predicted.states))
+        return Usual(drawn + simulated - self._raw(plain, states), simulated)
 
     def _able(self, base: Candidate, seen: NDArray[np.bool_]) -> list[Balance]:
         """Return the states that can be balanced: measured, of which the rate is an equation of measured states alone."""
@@ -148,36 +178,43 @@ class Balances:
 
         It is that of the predicted states as these sensors show them, less that of these states: the noise stays what it is.
         """
-        layout = self.layout
-        plant: Any = layout.measured.plant
-        effects = [self.kernels.effects[name] for name in candidate.effects]
-        names = {one.name for one in on_sensors(plant, effects)}
+        names = self._erring(candidate)
         if not names:
             return 0.0
-        plain, shown = candidate.without(names), predicted.states.copy()
+        plain = candidate.without(names)
         right = self._along(plain, predicted.states)
+        return self._raw(plain, self._shown(predicted, right)) - self._of_rates(right, predicted.states)
+
+    def _shown(self, predicted: Predicted, right: Along) -> Array:
+        """Return predicted states (n, states) as their sensors show them, errors and all; ``right`` has the readings without errors."""
+        layout, shown = self.layout, predicted.states.copy()
+        plant: Any = layout.measured.plant
         for of, k in best_sensors(layout.measured).items():
             field = layout.measured.sensors[k].field
-            error = (predicted.readings[:, k] - right.readings[:, list(plant.measured).index(field)]) / shown_by(plant, field)[
-                1
-            ]
+            error = predicted.readings[:, k] - right.readings[:, list(plant.measured).index(field)]
+            error = error / shown_by(plant, field)[1]
             shown[:, list(plant.states).index(of)] += error
             above = next((rate for rate, one in rate_of(plant).items() if one == of), "")
             if above:
                 slope = np.asarray(np.gradient(error.reshape(-1, layout.width), layout.measured.period, axis=1))
                 shown[:, list(plant.states).index(above)] += slope.ravel()
-        return self._raw(plain, shown) - self._of_rates(right, predicted.states)
+        return shown
 
-    def _of_memory(self, candidate: Candidate, predicted: Predicted) -> Array | float:
+    def _erring(self, candidate: Candidate) -> set[str]:
+        """Return a candidate's effects by which sensors err."""
+        effects = [self.kernels.effects[name] for name in candidate.effects]
+        return {one.name for one in on_sensors(self.layout.measured.plant, effects)}
+
+    def _of_memory(self, candidate: Candidate, predicted: Predicted, usual: Usual) -> Array | float:
         """Return what the balances (windows, features) are by what effects remember as a test begins, which nothing measures.
 
         Driven along the predicted states, which know it, they begin as declared as well.
         """
         effects = [self.kernels.effects[name] for name in candidate.effects]
-        plain = candidate.without({one.name for one in on_sensors(self.layout.measured.plant, effects)})
+        plain = candidate.without(self._erring(candidate))
         if not any(one.states and not one.granted for one in effects if one.name in plain.effects):
             return 0.0
-        return self._raw(plain, predicted.states, predicted.ends) - self.simulated
+        return self._raw(plain, predicted.states, predicted.ends) - usual.simulated
 
     def _raw(self, candidate: Candidate, states: Array, ends: Array | None = None) -> Array:
         """Return the balances (windows, features) at states (n, states), each in the unit of its state.
@@ -235,33 +272,27 @@ class Balances:
             found[one.name] = np.stack([_test_functions(row) for row in use])
         return found
 
-    def _chance(self, base: Candidate, predicted: Predicted) -> tuple[Array, Array, Array]:
-        """Return what the balances (windows, features) of a model are by how states are estimated, their noise (features,), and what
-        they are of the predicted states alone.
+    def _drawn(self, model: Candidate, predicted: Predicted, draws: int) -> list[Array]:
+        """Return a model's balances (windows, features) of predicted readings with draws of the sensors' noise.
 
-        Readings as the base predicts them get noise, are counted as the sensors count, and go through the same chain (indirect
-        inference: Gourieroux, Monfort & Renault 1993, doi:10.1002/jae.3950080507). Of what the predicted states themselves balance to
-        that within windows is part of it (a sum in the place of an integral), not how far off the next one begins.
+        They are counted as the sensors count, and go through the same chain (indirect inference: Gourieroux, Monfort & Renault 1993,
+        doi:10.1002/jae.3950080507).
         """
         layout, generator, drawn = self.layout, np.random.default_rng(1), []
         measured, states = layout.measured, np.where(np.isfinite(predicted.states), predicted.states, self.states)
         paths = layout.apart_again(np.where(np.isfinite(predicted.readings), predicted.readings, layout.readings))
         white = np.sqrt(np.maximum(measured.noise**2 - measured.steps**2 / 12.0, 0.0))
-        for _ in range(DRAWS // 2):
+        for _ in range(draws // 2):
             errors = [white * generator.standard_normal(path.shape) for path in paths]
             phases = [generator.uniform(size=len(white)) for _ in paths]
             # with both signs: what is linear in the noise cancels in the mean, whatever was drawn for which test
             for sign in (1.0, -1.0):
-                readings = [path + sign * error for path, error in zip(paths, errors, strict=True)]
-                counted = [_counted(one, measured.steps, sign * phase) for one, phase in zip(readings, phases, strict=True)]
+                noisy = [path + sign * error for path, error in zip(paths, errors, strict=True)]
+                counted = [_counted(one, measured.steps, sign * phase) for one, phase in zip(noisy, phases, strict=True)]
                 tests = [replace(test, readings=one) for test, one in zip(measured.tests, counted, strict=True)]
                 seen = _known(layout, measured.with_tests(tests))
-                drawn.append(self._raw(base, np.where(np.isfinite(seen), seen, states)))
-        noise = np.std(drawn, axis=0, ddof=1)
-        used = noise > 0.0
-        usual = np.array([np.median(column[mask]) if mask.any() else 1.0 for column, mask in zip(noise.T, used.T, strict=True)])
-        simulated = self._raw(base, states, predicted.ends)
-        return np.mean(drawn, axis=0) + simulated - self._raw(base, states), np.maximum(usual, 1e-300), simulated
+                drawn.append(self._raw(model, np.where(np.isfinite(seen), seen, states)))
+        return drawn
 
 
 def _counted(readings: Array, steps: Array, phases: Array) -> Array:

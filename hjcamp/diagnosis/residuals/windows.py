@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.diagnosis.residuals.balances import Balances
+from hjcamp.diagnosis.residuals.balances import Balances, Usual
 from hjcamp.diagnosis.residuals.continuity import Memory, Passage, Through
 from hjcamp.diagnosis.residuals.initial_states import on_sensors
 from hjcamp.diagnosis.residuals.simulated import STEP, Predicted, Simulated
@@ -29,11 +29,12 @@ FARTHEST_MOVED = 3.0
 
 
 class Place(NamedTuple):
-    """Where windows begin: their starts, what these explain, and what effects remember there, by state."""
+    """Where windows begin: their starts, what these explain, what effects remember there, by state, and what balances usually are."""
 
     starts: Array
     passage: Passage | Through
     remembered: dict[str, Array]
+    usual: Usual | None = None
 
 
 @dataclass
@@ -41,15 +42,16 @@ class Windows(Simulated):
     """The residuals of models over the windows of a layout, whose starts are moved as the tests tell, with ``balances`` if any."""
 
     balances: Balances | None = None
+    usual: Usual | None = None
 
     @property
     def place(self) -> Place:
         """Where they begin, to come back to."""
-        return Place(self.starts, self._passage, self.remembered)
+        return Place(self.starts, self._passage, self.remembered, self.usual)
 
     @place.setter
     def place(self, one: Place) -> None:
-        self.starts, self._passage, self.remembered = one
+        self.starts, self._passage, self.remembered, self.usual = one
 
     def errors(self, candidate: Candidate) -> Array:
         """Return measured less predicted readings (n, sensors), SI, from the present starts; held where sensors read their ends."""
@@ -68,7 +70,14 @@ class Windows(Simulated):
         for _ in range(rounds):
             found = self._moved(candidate, found, self._passage_of(candidate, found))
         self._passage = self._passage_of(candidate, found)
+        if self._balanced:
+            self.usual = self._balanced.usual_of(candidate.without(self.forms), found)
         return self._unexplained(candidate, found)
+
+    @property
+    def _balanced(self) -> Balances | None:
+        """The balances of these windows; there are none of other ones."""
+        return self.balances if self.balances is not None and self.balances.layout is self.layout else None
 
     def along(self, candidate: Candidate) -> Array:
         """Return the features of a model; of one that remembers, with starts that are moved along with it, and kept as they are here.
@@ -193,6 +202,6 @@ class Windows(Simulated):
     def _unexplained(self, candidate: Candidate, found: Predicted) -> Array:
         """Return what no start explains of the errors of a prediction, and behind it the balances."""
         own = self._passage.unexplained(self._left(found), self.starts / self.sizes, found.ends / self.sizes)
-        if self.balances is None or self.balances.layout is not self.layout:  # there are none of other windows
+        if self._balanced is None:
             return own
-        return np.concatenate([own, self.balances.features(candidate, found)], axis=1)
+        return np.concatenate([own, self._balanced.features(candidate, found, self.usual)], axis=1)
