@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
-from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled
+from hjcamp.diagnosis.estimation.gauss_newton import settled
 from hjcamp.diagnosis.estimation.intervals import Interval, intervals
 from hjcamp.diagnosis.estimation.likelihood import size
 from hjcamp.diagnosis.levels import MOST_OF_IT
@@ -52,7 +52,7 @@ def differs_by_condition(analysis: Analysis, least: float, level: float) -> Diff
     for name, own in rows.items():
         windows = _of_tests(analysis.windows, base.place, conditions[name], own)
         windows.move_starts(base.fitted.candidate)
-        fitted = settled(windows, base.fitted.candidate, base.fitted.free, turns=TURNS_OF_BASE)
+        fitted = settled(windows, base.fitted.candidate, base.fitted.free)
         if not np.isfinite(fitted.loss):
             return None
         shown[own], features[own] = fitted.features, left_out(windows, fitted, blocks[own])

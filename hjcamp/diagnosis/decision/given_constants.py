@@ -11,7 +11,7 @@ import numpy as np
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.calibration.shares import held_out
-from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, Free, settled
+from hjcamp.diagnosis.estimation.gauss_newton import Free, settled
 from hjcamp.diagnosis.estimation.intervals import Interval, intervals
 from hjcamp.diagnosis.levels import MOST_OF_IT
 from hjcamp.diagnosis.selection.scored import Scored
@@ -41,7 +41,7 @@ def constants_otherwise(analysis: Analysis, least: float, rival: Scored | None) 
         windows = copy.copy(analysis.windows)
         windows.place = base.place
         start = base.fitted.candidate.with_base({one.name: analysis.measured.plant.parameters[one.name].default})
-        fitted = settled(windows, start, (*base.fitted.free, one), turns=TURNS_OF_BASE)
+        fitted = settled(windows, start, (*base.fitted.free, one))
         if not np.isfinite(fitted.loss):
             continue
         model = search.scored(fitted, windows)

@@ -28,6 +28,8 @@ from hjcamp.errors import plain
 Array = NDArray[np.float64]
 # Looks at what no law explains share a tenth of the level each; an error so many times repeatability (rms) is not nothing.
 FURTHER, FAR = 10.0, 2.0
+# The level of a model that follows from the motion by no law.
+LAWLESS = 5
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
 
 
@@ -175,7 +177,7 @@ class Decision:
         """Return how simple a model is: one name 0, one non-parametric term 1, two names 2, name and term 3, no law 5."""
         names = model.beyond(self.base)
         if MOTION in names:
-            return 5
+            return LAWLESS
         return int(any(name in self.terms for name in names)) + (2 if len(names) > 1 else 0)
 
     def said(self, found: Verdict, models: Sequence[Scored]) -> Verdict:
@@ -185,13 +187,10 @@ class Decision:
         """
         outside = replace(found, word=OUTSIDE, confidence_set=(), outside=True, law_left=1.0)
         left, within = self.set_of(models), [models[k] for k in self._as_good(models)]
-        if not within:  # there is none, or each errs least in another channel
-            if all(self.level(one) % 2 for one in left):
-                return self._with_terms(outside, left)
-            sets = tuple(one.beyond(self.base) for one in left if not self.level(one) % 2)
-            return replace(found, word=CANNOT_TELL, confidence_set=sets, lacking=("no model explains every channel best",))
-        simplest = min(self.level(one) for one in within)
-        answer = self.set_of([one for one in within if self.level(one) == simplest])
+        simplest = min(
+            (self.level(one) for one in within), default=LAWLESS
+        )  # where each errs least in another channel no law suffices
+        answer = self.set_of([one for one in within if self.level(one) == simplest]) or left
         named = [one for one in left if not self.level(one) % 2] if simplest % 2 else answer
         if not named:
             return self._with_terms(outside, answer)
@@ -223,7 +222,9 @@ class Decision:
     def _with_terms(self, found: Verdict, answer: Sequence[Scored]) -> Verdict:
         """Return what is outside the library with the non-parametric term that explains most, or what follows from the motion."""
         terms = sorted((one for one in answer if self.level(one) in (1, 3)), key=lambda one: one.left_out)
-        motion = max((self.share(one.features, self.base.features) for one in answer if self.level(one) == 5), default=0.0)
+        motion = max(
+            (self.share(one.features, self.base.features) for one in answer if self.level(one) == LAWLESS), default=0.0
+        )
         return replace(found, term=terms[0] if terms else None, follows=0.0 if terms else min(motion, 1.0))
 
 
