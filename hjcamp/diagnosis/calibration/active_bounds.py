@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled
+from hjcamp.diagnosis.estimation.gauss_newton import settled
 from hjcamp.diagnosis.estimation.intervals import Interval, intervals, limited
 from hjcamp.diagnosis.levels import LEVEL
 from hjcamp.diagnosis.selection.scored import Scored
@@ -35,4 +35,4 @@ def _away(search: Search, base: Scored, one: Interval, declared: float) -> bool:
     fitted = base.fitted
     start, free = fitted.candidate.with_base({one.name: declared}), [each for each in fitted.free if each.name != one.name]
     own = search.windows.begun_for(start, base.place)
-    return settled(own, start, free, turns=TURNS_OF_BASE).loss > fitted.loss + 0.5 * float(chdtri(1, LEVEL))
+    return settled(own, start, free).loss > fitted.loss + 0.5 * float(chdtri(1, LEVEL))

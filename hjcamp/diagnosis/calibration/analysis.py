@@ -22,7 +22,7 @@ from hjcamp.diagnosis.candidates.visited_range import about_visited
 from hjcamp.diagnosis.data.feedthrough import may_be_late
 from hjcamp.diagnosis.data.repeatability import NoiseFloor, noise_floor_of
 from hjcamp.diagnosis.data.tests import MOST_DELAY, Measured
-from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, Fitted, Free, settled
+from hjcamp.diagnosis.estimation.gauss_newton import Fitted, Free, settled
 from hjcamp.diagnosis.residuals.kernels import Kernels
 from hjcamp.diagnosis.residuals.simulated import ZERO
 from hjcamp.diagnosis.residuals.windows import Windows
@@ -184,7 +184,7 @@ def _best_fit(search: Search, begun: Candidate, known: Known) -> Fitted:
     before = windows.starts.copy()
     windows.move_starts(begun)
     search.first = windows.place._replace(starts=before)
-    fitted = settled(windows, begun, search.free_of(begun), turns=TURNS_OF_BASE)
+    fitted = settled(windows, begun, search.free_of(begun))
     if layout.short or above_noise(layout, fitted.features):
         if layout.short or not known.keeps(fitted.candidate):
             names = layout.measured.plant.base_parameters

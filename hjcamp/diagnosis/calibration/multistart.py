@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.hidden_states import begin_hidden
 from hjcamp.diagnosis.data.segments import Layout
-from hjcamp.diagnosis.estimation.gauss_newton import SETTLED, TURNS_OF_BASE, Fitted, settled
+from hjcamp.diagnosis.estimation.gauss_newton import SETTLED, TURNS, Fitted, settled
 from hjcamp.diagnosis.levels import DELTA, LEVEL
 from hjcamp.diagnosis.residuals.windows import Windows
 from hjcamp.model.declare.base_values import DELAY
@@ -53,7 +53,7 @@ def in_parts(windows: Windows, fitted: Fitted) -> Fitted:
         if not np.any(change > DELTA * np.maximum(1.0, DELTA * usual)):
             break
         windows.layout = finer.layout
-        fitted = settled(windows, fitted.candidate, fitted.free, turns=TURNS_OF_BASE)
+        fitted = settled(windows, fitted.candidate, fitted.free)
     return fitted
 
 
@@ -79,7 +79,7 @@ def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterab
         for factor in (1.0 / BEGUN_APART, BEGUN_APART) if not one.effect and one.name in names else ():
             start = one.put(begun, factor * one.value_in(begun))
             own = windows.begun_for(start, place)
-            found = settled(own, start, fitted.free, turns=TURNS_OF_BASE)
+            found = settled(own, start, fitted.free)
             if found.loss < min(best.loss, least):
                 best, windows.place = found, own.place
     return best
@@ -93,12 +93,12 @@ def refitted_from_model_states(windows: Windows, fitted: Fitted) -> Fitted:
     """
     if not windows.unseen.any() or windows.layout.memory or not np.isfinite(fitted.loss):
         return fitted
-    for _ in range(TURNS_OF_BASE):
+    for _ in range(TURNS):
         own = replace(windows)
         own.place = windows.place
         begin_hidden(own, fitted.candidate)
         own.move_starts(fitted.candidate)
-        found = settled(own, fitted.candidate, fitted.free, turns=TURNS_OF_BASE)
+        found = settled(own, fitted.candidate, fitted.free)
         if not found.loss < fitted.loss - SETTLED:
             break
         fitted, windows.place = found, own.place

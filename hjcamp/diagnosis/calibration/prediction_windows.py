@@ -13,7 +13,7 @@ from hjcamp.diagnosis.calibration.hidden_states import begin_hidden
 from hjcamp.diagnosis.calibration.multistart import best_begun
 from hjcamp.diagnosis.data.segments import SHORTEST_OF_ALL, Layout
 from hjcamp.diagnosis.data.tests import Measured
-from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, Free, settled
+from hjcamp.diagnosis.estimation.gauss_newton import Free, settled
 from hjcamp.diagnosis.residuals.initial_states import estimated
 from hjcamp.diagnosis.residuals.kernels import Kernels
 from hjcamp.diagnosis.residuals.windows import Windows
@@ -76,7 +76,7 @@ def simulated_through(windows: Windows, base: Candidate, free: Sequence[Free]) -
         return windows
     own = replace(windows)
     own.move_starts(base)
-    fitted = settled(own, base, free, turns=TURNS_OF_BASE)
+    fitted = settled(own, base, free)
     known = best_begun(own, base, fitted, plant.base_parameters).candidate if np.isfinite(fitted.loss) else base
     memory = replace(windows, layout=replace(layout, memory=1)).memory(known)
     if memory <= layout.width or len(layout.of_test) * layout.width < FEWEST * memory:

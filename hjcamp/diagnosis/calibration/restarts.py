@@ -8,7 +8,7 @@ import numpy as np
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.calibration.multistart import BEGUN_APART
-from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled
+from hjcamp.diagnosis.estimation.gauss_newton import settled
 from hjcamp.diagnosis.levels import DELTA, LEVEL
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.declare.candidate import Candidate
@@ -29,7 +29,7 @@ def better_base(analysis: Analysis, said: Scored, others: Iterable[Scored]) -> d
         start = Candidate(one.fitted.candidate.base, base.candidate.effects)
         if not one.beyond(analysis.base) or (one is not said and not _elsewhere(start, base.candidate, names)):
             continue
-        fitted = settled(analysis.windows.begun_for(start, one.place), start, base.free, turns=TURNS_OF_BASE)
+        fitted = settled(analysis.windows.begun_for(start, one.place), start, base.free)
         if np.isfinite(fitted.loss) and fitted.loss < least and share(fitted.features, base.features, base.features) >= DELTA:
             least, found = fitted.loss, dict(fitted.candidate.base)
     return found

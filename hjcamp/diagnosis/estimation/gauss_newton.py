@@ -19,8 +19,8 @@ STEP = 0.01
 ROUNDS = 12
 # The starts are where they belong when moving them gains less.
 SETTLED = 0.5
-# So many turns at most; more from declared values, which may be far off.
-TURNS, TURNS_OF_BASE = 3, 20
+# So many turns of a fit and of its windows' starts at most: they end where nothing is gained.
+TURNS = 20
 GAINED = 0.05
 WORST_DAMPING = 1e6
 # Slopes that are followed by secants are computed afresh where a step gains less, or must be damped more.

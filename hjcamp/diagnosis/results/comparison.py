@@ -13,7 +13,7 @@ from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.calibration.contact_compliance import forms_among
 from hjcamp.diagnosis.data.repeatability import in_units, not_above
 from hjcamp.diagnosis.data.tests import Measured
-from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled
+from hjcamp.diagnosis.estimation.gauss_newton import settled
 from hjcamp.diagnosis.estimation.likelihood import size
 from hjcamp.diagnosis.residuals.free_run import Whole, whole_error
 from hjcamp.diagnosis.results.channel_rows import end_rows, noise_floor_size, whole_row
@@ -92,7 +92,7 @@ def predicted_errors(analysis: Analysis, candidate: Candidate) -> tuple[Array, A
     assert first is not None
     windows.starts, windows.remembered = first.starts.copy(), {}
     windows.move_starts(candidate, rounds=1)
-    return settled(windows, candidate, (), turns=TURNS_OF_BASE).features, windows.errors(candidate)
+    return settled(windows, candidate, ()).features, windows.errors(candidate)
 
 
 def errors_of_base(analysis: Analysis) -> Array:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from hjcamp.diagnosis.candidates.equivalence import is_lag, kind_of, replaces
 from hjcamp.diagnosis.candidates.nonparametric_terms import Unknown
 from hjcamp.diagnosis.candidates.visited_range import Range, largest_commands, visited_shapes
-from hjcamp.diagnosis.estimation.gauss_newton import TURNS, TURNS_OF_BASE, Fitted, Free, fit, settled
+from hjcamp.diagnosis.estimation.gauss_newton import TURNS, Fitted, Free, fit, settled
 from hjcamp.diagnosis.estimation.likelihood import loss, size
 from hjcamp.diagnosis.levels import FITTED_STARTS, TRIED_ROUNDS, TRIED_STARTS
 from hjcamp.diagnosis.residuals.windows import Place, Windows
@@ -137,7 +137,7 @@ class Fits:
     def settled(self, start: Candidate, near: Fitted | None = None, windows: Windows | None = None) -> Fitted:
         """Return the fit of a model from ``start`` with the starts of ``windows``, or its own, moved along."""
         start = self.on_time(start)
-        return settled(windows or self.begun_at(start, near), start, self.free_of(start), near, self.turns(start))
+        return settled(windows or self.begun_at(start, near), start, self.free_of(start), near)
 
     def begun_at(self, start: Candidate, near: Fitted | None) -> Windows:
         """Return windows of its own for a fit: where it was left that goes on, as they were first where the base is as declared.
@@ -158,15 +158,11 @@ class Fits:
         for _ in range(TURNS):
             own = copy.copy(self.windows)
             own.place = model.place
-            found = self.scored(settled(own, model.fitted.candidate, model.fitted.free, model.fitted, TURNS_OF_BASE), own)
+            found = self.scored(settled(own, model.fitted.candidate, model.fitted.free, model.fitted), own)
             if not found.left_out < model.left_out:
                 break
             model = found
         return model
-
-    def turns(self, candidate: Candidate) -> int:
-        """How often a fit and the windows' starts follow one another: until they agree in short tests, and where effects remember."""
-        return TURNS_OF_BASE if self.windows.layout.short or self.windows.remembers(candidate) else TURNS
 
     def probed_model(self, fitted: Fitted) -> ProbedModel:
         """Return the model in addition to which effects are probed, made once for each fit."""

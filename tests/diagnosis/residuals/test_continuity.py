@@ -16,7 +16,7 @@ from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.tests import measured_tests
 from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.estimation.bounded_step import bounded_step
-from hjcamp.diagnosis.estimation.gauss_newton import TURNS_OF_BASE, settled, whole_loss
+from hjcamp.diagnosis.estimation.gauss_newton import settled, whole_loss
 from hjcamp.diagnosis.estimation.intervals import intervals
 from hjcamp.diagnosis.estimation.likelihood import loss
 from hjcamp.diagnosis.residuals.continuity import Passage
@@ -112,7 +112,7 @@ def test_a_fit_goes_on_where_a_parameter_stands_at_its_bound() -> None:
     begun = {"brim": 5.0, "spill": 0.1, "caught": 1.0}
     candidate = analysis.base.fitted.candidate.with_effect("spill_over", begun)
     free = analysis.search.free_of(candidate)
-    found = settled(analysis.windows, candidate, free, turns=TURNS_OF_BASE).candidate.effects["spill_over"]
+    found = settled(analysis.windows, candidate, free).candidate.effects["spill_over"]
     assert found["brim"] == pytest.approx(7.0, rel=0.05) and found["caught"] == pytest.approx(0.5, abs=0.05)
 
 

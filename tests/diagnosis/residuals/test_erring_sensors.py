@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.residuals.initial_states import erring_sensors
 from hjcamp.diagnosis.residuals.windows import Windows
+from hjcamp.diagnosis.screening.screening import Probe, Projection
 from hjcamp.effects import load_effects
 from hjcamp.records.log import TestLog
 
@@ -74,7 +76,6 @@ def measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Measured:
     return measured_tests([held_ball()])
 
 
-@pytest.mark.xfail(strict=True, reason="its linear response at the base scores next to nothing, so that a spring stands alone")
 def test_the_offset_of_a_sensor_is_named_where_the_ball_falls_by_itself(measured: Measured) -> None:
     library = load_effects(plant=measured.plant)
     chosen = {name: library[name] for name in ("constant_force", "cubic_spring", "sensor_gain", "sensor_offset", "spring")}
@@ -115,3 +116,41 @@ def test_windows_are_no_longer_though_a_path_that_has_left_grows_no_more(
     widths[23] = 2.0
     assert calibrated(measured, {}, unknowns=False, width=93).windows.layout.width == 93
     assert power_of(64, 1) == pytest.approx(63.0 / 31.0) and power_of(64, 0) == 1.0
+
+
+def test_balances_of_the_true_model_are_noise_though_the_base_is_far_off(measured: Measured) -> None:
+    library = load_effects(plant=measured.plant)
+    analysis = calibrated(measured, {"sensor_offset": library["sensor_offset"]}, unknowns=False)
+    assert abs(analysis.base.fitted.candidate.base["magnet"] / MAGNET - 1.0) > 0.1
+    true = analysis.base.fitted.candidate.with_base({"magnet": MAGNET, "delay.current": 0.0})
+    true = true.with_effect("sensor_offset", {"offset": OFFSET})
+    own = analysis.search.begun_at(true, None)
+    columns = analysis.channels.columns[1]
+
+    def rms() -> float:
+        return float(np.sqrt(np.mean(own.features(true)[:, columns] ** 2)))
+
+    own.move_starts(true, rounds=4)
+    assert 0.4 < rms() < 1.3
+    # what they are where the base were true says nothing of a model that predicts otherwise
+    own.usual = analysis.base.place.usual
+    assert rms() > 10.0
+
+
+def test_a_response_is_what_free_parameters_cannot_take_away(measured: Measured) -> None:
+    library = load_effects(plant=measured.plant)
+    analysis = calibrated(measured, {"sensor_offset": library["sensor_offset"]}, unknowns=False)
+    search, fitted = analysis.search.at(analysis.base.place), analysis.base.fitted
+    [probe] = search.probes(fitted, "sensor_offset")
+    promise = Projection(fitted).promise(probe, library["sensor_offset"])
+    # the magnet nearly takes the place of an offset: what a finite one leaves is its curvature, which promised nothing
+    plain = replace(
+        probe, responses=search.probed_model(fitted).response(search.windows, "sensor_offset", _at(probe))[:, :, None]
+    )
+    assert Projection(fitted).promise(replace(plain, moves=None), library["sensor_offset"]).gain < 0.3 * promise.gain
+    assert promise.candidate.effects["sensor_offset"]["offset"] > 0.0
+    assert promise.candidate.base["magnet"] < fitted.candidate.base["magnet"]
+
+
+def _at(probe: Probe) -> dict[str, float]:
+    return {**probe.setting, probe.amplitudes[0]: float(probe.sizes[0])}
