@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import json
 from pathlib import Path
 from typing import Any
@@ -36,10 +37,15 @@ def content_of(path: Path) -> dict[str, Any]:
     return found
 
 
-def faults(name: str, content: Any, plant: str | None = None) -> list[str]:
+@functools.cache
+def validator(name: str, plant: str | None) -> Draft202012Validator:
     schema = file_schema(name, find_plant(plant) if plant else None)
     Draft202012Validator.check_schema(schema)
-    return [one.message for one in Draft202012Validator(schema).iter_errors(content)]
+    return Draft202012Validator(schema)
+
+
+def faults(name: str, content: Any, plant: str | None = None) -> list[str]:
+    return [one.message for one in validator(name, plant).iter_errors(content)]
 
 
 @pytest.mark.parametrize("path", CAMPAIGNS, ids=lambda path: path.stem)

@@ -151,8 +151,9 @@ def test_a_range_that_holds_no_number_is_refused_in_one_sentence(tuned: Call, tm
     ],
 )
 def test_a_sweep_of_thousands_is_not_begun_without_a_word(
-    tuned: Call, tmp_path: Path, words: tuple[str, ...], code: int, said: str
+    tuned: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], code: int, said: str
 ) -> None:
+    monkeypatch.setattr("hjcamp.campaign.plan.sweep.CHECKED_JOBS", 2)
     got, _, err = tuned("run", "-m", *SMALL, *words)
     assert got == code and said in err and err.count("\n") == 1, err
     assert list(tmp_path.iterdir()) == []
