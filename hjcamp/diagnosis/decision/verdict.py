@@ -20,7 +20,7 @@ from hjcamp.diagnosis.choice.comparison_of_models import confidence_set, nested_
 from hjcamp.diagnosis.choice.models import MOTION, Models
 from hjcamp.diagnosis.decision.by_condition import Differs, differs_by_condition
 from hjcamp.diagnosis.decision.periodic_disturbance import Swing, swing_of
-from hjcamp.diagnosis.levels import ALPHA, DELTA
+from hjcamp.diagnosis.levels import ALPHA, DELTA, MOST_OF_IT
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.diagnosis.validation.blocks import advantages, chance_of_t, discrimination, ratio_t
 from hjcamp.errors import plain
@@ -28,8 +28,8 @@ from hjcamp.errors import plain
 Array = NDArray[np.float64]
 # Looks at what no law explains share a tenth of the level each; an error so many times repeatability (rms) is not nothing.
 FURTHER, FAR = 10.0, 2.0
-# The level of a model that follows from the motion by no law.
-LAWLESS = 5
+# Levels of models: those with a non-parametric term, and what follows from the motion by no law.
+TERMS, LAWLESS = (1, 3), 5
 NOTHING, EFFECT, ONE_OF, OUTSIDE, CANNOT_TELL = "nothing_missing", "effect", "one_of", "outside_library", "cannot_tell"
 
 
@@ -193,7 +193,7 @@ class Decision:
         answer = self.set_of([one for one in within if self.level(one) == simplest]) or left
         named = [one for one in left if not self.level(one) % 2] if simplest % 2 else answer
         if not named:
-            return self._with_terms(outside, answer)
+            return self._with_terms(outside, answer, models)
         sets = tuple(one.beyond(self.base) for one in named)
         best = min((one.scored for one in self.models.all), key=lambda one: one.left_out)
         explained = [math.log(self.base.left_out / one.left_out) for one in (named[0], best)]
@@ -207,7 +207,7 @@ class Decision:
             outside=bool(simplest % 2),
             law_left=float(np.clip(1.0 - explained[0] / explained[1], 0.0, 1.0)) if explained[1] > 0.0 else 0.0,
         )
-        return self._with_terms(shown, answer) if simplest % 2 else replace(shown, term=self._other_shape(named[0]))
+        return self._with_terms(shown, answer, models) if simplest % 2 else replace(shown, term=self._other_shape(named[0]))
 
     def _other_shape(self, model: Scored) -> Scored | None:
         """Return the non-parametric term that predicts better than a named law: the law has another shape, or more is missing."""
@@ -219,13 +219,22 @@ class Decision:
         errors = self.channels.left([one.features for one in left], self.base.features)
         return not_worse(errors, self.delta) if left else []
 
-    def _with_terms(self, found: Verdict, answer: Sequence[Scored]) -> Verdict:
-        """Return what is outside the library with the non-parametric term that explains most, or what follows from the motion."""
-        terms = sorted((one for one in answer if self.level(one) in (1, 3)), key=lambda one: one.left_out)
-        motion = max(
-            (self.share(one.features, self.base.features) for one in answer if self.level(one) == LAWLESS), default=0.0
-        )
-        return replace(found, term=terms[0] if terms else None, follows=0.0 if terms else min(motion, 1.0))
+    def _with_terms(self, found: Verdict, answer: Sequence[Scored], models: Sequence[Scored]) -> Verdict:
+        """Return what is outside the library with the non-parametric term that explains most, and what follows from the motion.
+
+        Where nothing but a regression on the motion suffices, the best of all ``models`` that explains most of it says what drives it.
+        """
+        follows = max((self._explained(one) for one in answer if self.level(one) == LAWLESS), default=0.0)
+        terms = [one for one in answer if self.level(one) in TERMS]
+        if not terms:
+            terms = [one for one in models if self.level(one) in TERMS and self._explained(one) > MOST_OF_IT * follows]
+        else:
+            follows = 0.0
+        return replace(found, term=min(terms, key=lambda one: one.left_out, default=None), follows=min(follows, 1.0))
+
+    def _explained(self, model: Scored) -> float:
+        """Return which share of the base's error above repeatability a model explains."""
+        return self.share(model.features, self.base.features)
 
 
 def decided(analysis: Analysis, alpha: float = ALPHA, delta: float = DELTA) -> Verdict:
