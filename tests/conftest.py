@@ -49,6 +49,14 @@ def composer() -> Composer:
     return Composer()
 
 
+@pytest.fixture(scope="session", autouse=True)
+def nothing_is_compiled_ahead() -> Iterator[None]:
+    """Compile what a test needs where it needs it: all processors work already, and much that a user may need no test does."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("hjcamp.diagnosis.residuals.kernels.compile_ahead", lambda sources: None)
+        yield
+
+
 @pytest.fixture
 def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Work in an empty folder without the user's settings."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import os
 import pickle
@@ -56,10 +57,22 @@ def _one_process(function: Any) -> Callable[[Any], Any]:
 
     def compile_alone(sig: Any) -> Any:
         # numba's own lock first: another thread that holds it may want this one
-        with global_compiler_lock, _held(path):
+        with global_compiler_lock, _held(path), _uncollected():
             return compiled(sig)
 
     return compile_alone
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Let the collector of garbage wait: a tenth of compiling, which makes many objects and keeps most."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
 
 
 @contextmanager

@@ -6,18 +6,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from asked import analysed
 from carriage import measured_log
 
-from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
+from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.data.tests import measured_tests
-from hjcamp.effects import load_effects
 from hjcamp.model.declare.candidate import Candidate
 
 
 @pytest.fixture
 def analysis(axis: Path) -> Analysis:
     measured = measured_tests([measured_log(lambda x, v: -150.0 * (x - 0.03), seconds=4.0)])
-    return calibrated(measured, {"spring": load_effects(plant=measured.plant)["spring"]}, unknowns=False)
+    return analysed(measured, ["constant_force", "spring"], unknowns=False)
 
 
 def test_a_fit_goes_on_where_it_was_left(analysis: Analysis) -> None:

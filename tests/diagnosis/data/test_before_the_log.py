@@ -52,5 +52,5 @@ def test_a_log_that_begins_at_a_step_tells_the_base(tmp_path: Path, monkeypatch:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "plants").mkdir()
     (tmp_path / "plants" / "circuit.py").write_text(CIRCUIT)
-    found = calibrated(measured_tests([step(1.0 + k, k) for k in range(4)]), {}).base.fitted.candidate.base
+    found = calibrated(measured_tests([step(1.0 + k, k) for k in range(4)]), {}, unknowns=False).base.fitted.candidate.base
     assert found["resistance"] == pytest.approx(TRUE, rel=0.01)

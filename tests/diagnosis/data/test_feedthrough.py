@@ -75,7 +75,8 @@ def test_what_runs_linearly_is_read_as_it_is_at_each_sample(tmp_path: Path, monk
         slow[k + 1] = steady + 0.02 * slope + (slow[k] - steady) * np.exp(-1.0 / tau)
     volts = 3.7 - 0.03 * current - slow + NOISE * generator.standard_normal(1600)
     columns = {"time_s": time, "current_a": current, "cell_v": volts}
-    found = calibrated(measured_tests([TestLog(columns, {PLANT_KEY: "cell", PERIOD_KEY: "1.0", "condition": "drive"})]), {})
+    log = TestLog(columns, {PLANT_KEY: "cell", PERIOD_KEY: "1.0", "condition": "drive"})
+    found = calibrated(measured_tests([log]), {}, unknowns=False)
     assert found.base.fitted.candidate.base["inner"] == pytest.approx(0.03, rel=0.005)
     assert np.sqrt(np.mean(found.base.features**2)) == pytest.approx(1.0, abs=0.1)
 
@@ -103,7 +104,7 @@ def test_what_runs_linearly_may_act_earlier_or_later(tmp_path: Path, monkeypatch
         slow[k + 1] = fine
     columns = {"time_s": time, "current_a": current, "cell_v": 3.7 - slow + 1e-4 * generator.standard_normal(1200)}
     log = TestLog(columns, {PLANT_KEY: "slow_cell", PERIOD_KEY: "1.0", "condition": "drive"})
-    found = calibrated(measured_tests([log]), {}).base
+    found = calibrated(measured_tests([log]), {}, unknowns=False).base
     assert found.fitted.candidate.base["delay.current"] == pytest.approx(-early, abs=0.02)
     assert found.fitted.candidate.base["outer"] == pytest.approx(0.02, rel=0.02)
     assert np.sqrt(np.mean(found.features**2)) == pytest.approx(1.0, abs=0.15)

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from asked import analysed
 from carriage import MASS, PERIOD, measured_log
 
-from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.data.tests import measured_tests
 from hjcamp.diagnosis.decision.effect_size import functional, in_proportion
 from hjcamp.effects import load_effects
@@ -17,8 +17,8 @@ from hjcamp.known_plants import find_plant
 
 
 def test_a_force_bends_a_window_by_what_newton_says(axis: Path) -> None:
-    library = {"constant_force": load_effects(plant=find_plant("axis"))["constant_force"]}
-    analysis = calibrated(measured_tests([measured_log(lambda x, v: 6.0)]), library, unknowns=False)
+    names = ["constant_force", "spring"]
+    analysis = analysed(measured_tests([measured_log(lambda x, v: 6.0, seconds=8.0)]), names, unknowns=False)
     base = analysis.base.fitted.candidate
     forced = base.with_effect("constant_force", {"strength": 2.0})
     model = analysis.search.scored(analysis.search.fitted(forced).fitted)

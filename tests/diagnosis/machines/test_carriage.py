@@ -86,7 +86,7 @@ def test_a_name_that_takes_less_than_a_regression_still_finds_is_no_answer(axis:
 
 def test_few_tests_cannot_tell(axis: Path) -> None:
     with threadpool_limits(2, user_api="blas"):
-        analysis, verdict = asked(measured_tests([measured_log(seconds=0.6)]), ["spring"], unknowns=False)
+        analysis, verdict = asked(measured_tests([measured_log(seconds=0.6)]), ["constant_force", "spring"], unknowns=False)
         assert {row["num_threads"] for row in threadpool_info() if row["user_api"] == "blas"} == {1}
     found = answer(analysis, verdict, 0.0)
     assert found["verdict"] == "cannot_tell" and found["lacking"]

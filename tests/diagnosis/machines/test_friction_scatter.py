@@ -26,7 +26,8 @@ def test_friction_that_differs_along_the_travel_is_named(axis: Path, share: floa
 
     measured = measured_tests([measured_log(rub)])
     library = load_effects(plant=measured.plant)
-    analysis = calibrated(measured, {name: library[name] for name in ("position_friction", "spring")}, unknowns=False)
+    names = ("position_friction", "friction_drift", "quadratic_drag", "coulomb_asymmetry", "spring")
+    analysis = calibrated(measured, {name: library[name] for name in names}, unknowns=False)
     found = decided(analysis)
     assert (found.word, found.effects) == ("effect", ("position_friction",))
     amplitude = found.model.fitted.candidate.effects["position_friction"]["amplitude"]

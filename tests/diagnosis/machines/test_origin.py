@@ -24,7 +24,7 @@ def test_the_zero_of_a_scale_decides_nothing(axis: Path, zero: float) -> None:
     log = measured_log(force=lambda x, v: -SPRING * (x - REST), seconds=6.0, noise=2e-6)
     log = replace(log, columns={**log.columns, "position_m": log.columns["position_m"] + zero})
     data: Any = SimpleNamespace(measured=measured_tests([log]), logs=[log])
-    found = diagnose_plant(data, Asked(effort="quick", only="spring,constant_force"))
+    found = diagnose_plant(data, Asked(effort="quick", only="spring,constant_force,quadratic_drag"))
     assert found.content["verdict"] == "effect" and found.content["effects"] == ["spring"]
     spring = found.verdict.model.fitted.candidate.effects["spring"]
     assert spring["stiffness"] == pytest.approx(SPRING, rel=0.03)

@@ -26,6 +26,7 @@ from hjcamp.model.declare.candidate import Candidate
 from hjcamp.records.log import TestLog
 
 CAPACITY, LOSS, BESIDE, DELAY, PERIOD = 400.0, 1.0, 0.6, 300.0, 5.0
+LIBRARY = ("leakage", "overflow", "second_store", "sensor_lag")
 PLANT = '''"""A plate."""
 
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, path, sensor, store
@@ -83,7 +84,7 @@ def measured_log(seed: int, hidden: str) -> TestLog:
 def test_what_remembers_is_told_from_what_does_not(plate: Path, hidden: str) -> None:
     measured = measured_tests([measured_log(1, hidden), measured_log(2, hidden)])
     library = load_effects(plant=measured.plant)
-    analysis = calibrated(measured, {name: library[name] for name in ("leakage", "overflow", "second_store", "sensor_lag")})
+    analysis = calibrated(measured, {name: library[name] for name in LIBRARY})
     found = decided(analysis)
     if hidden == "second":
         own = found.model.fitted.candidate.effects["second_store"]
@@ -143,7 +144,7 @@ def test_what_a_model_has_is_fitted_with_the_base_and_shown_beside_it(plate: Pat
     measured = measured_tests([measured_log(1, "second")])
     library = load_effects(plant=measured.plant)
     start = Candidate({}, {"second_store": {"conductance": 0.5, "delay": 250.0}})
-    rows = calibration(calibrated(measured, {"second_store": library["second_store"]}, start, unknowns=False))
+    rows = calibration(calibrated(measured, {name: library[name] for name in LIBRARY}, start))
     assert {"capacity", "conductance", "second_store conductance", "second_store delay"} <= rows.keys()
     row = rows["second_store delay"]
     assert (row["published"], row["unit"]) == (250.0, "s") and row["value"] == pytest.approx(DELAY, rel=0.05)

@@ -123,7 +123,7 @@ def test_an_effect_is_as_small_as_it_is_whatever_size_was_declared_usual(bowl: P
     measured = measured_tests([measured_log(1, leak=0.004)])
     library = load_effects(plant=measured.plant)
     chosen = {name: library[name] for name in ("leakage", "flow_exponent", "sensor_gain")}
-    analysis = calibrated(measured, chosen, unknowns=False)
+    analysis = calibrated(measured, chosen)
     start = analysis.base.fitted.candidate.with_effect("leakage", {**library["leakage"].defaults(), "conductance": 0.01})
     own = analysis.search.fitted(start).fitted.candidate.effects["leakage"]
     found = own["conductance"] * WIDE + own["conductance_above"] * max(WIDE - own["threshold"], 0.0)

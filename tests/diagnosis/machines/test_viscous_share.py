@@ -23,8 +23,8 @@ def test_a_stiff_place_of_viscous_friction_is_friction_that_depends_on_the_place
 
     measured = measured_tests([measured_log(rub)])
     library = load_effects(plant=measured.plant)
-    wanted = {name: library[name] for name in ("position_friction", "friction_drift", "quadratic_drag", "coulomb_asymmetry")}
-    analysis = calibrated(measured, wanted, unknowns=False)
+    names = ("position_friction", "friction_drift", "quadratic_drag", "coulomb_asymmetry", "spring")
+    analysis = calibrated(measured, {name: library[name] for name in names}, unknowns=False)
     found = decided(analysis)
     assert found.word == "effect" and found.effects == ("position_friction",)
     values = found.model.fitted.candidate.effects["position_friction"]

@@ -27,9 +27,7 @@ def motor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Measured:
 
 def test_a_drive_that_has_not_caught_up_leaves_no_more_than_noise(motor: Measured) -> None:
     library = load_effects(plant=motor.plant)
-    analysis = calibrated(motor, {name: library[name] for name in ("command_delay", "sensor_lag", "dead_band")})
-    # a lag of the reading says the same of a linear machine, and with a start as free
-    assert set(decided(analysis).effects) == {"command_delay", "sensor_lag"} and decided(analysis).word == "one_of"
+    # a lag of the reading would say the same of a linear machine
     analysis = calibrated(motor, {name: library[name] for name in ("command_delay", "dead_band")})
     found = decided(analysis)
     assert found.effects == ("command_delay",) and found.word == "effect"
@@ -61,7 +59,7 @@ def test_a_drive_that_has_not_caught_up_leaves_no_more_than_noise(motor: Measure
 
 def test_windows_begin_with_what_effects_remember_and_go_on_from_there(motor: Measured) -> None:
     library = load_effects(plant=motor.plant)
-    analysis = calibrated(motor, {"command_delay": library["command_delay"]})
+    analysis = calibrated(motor, {name: library[name] for name in ("command_delay", "dead_band")})
     windows, base = analysis.windows, analysis.base.fitted.candidate
     candidate = base.with_effect("command_delay", {"delay": LAG, "dead_share": 0.0})
     plain = windows.readings(candidate)[0][:, 0]

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from asked import analysed
 from flywheel import GAIN, INERTIA, PERIOD, PLANT, VISCOUS
 
-from hjcamp.diagnosis.calibration.analysis import calibrated
 from hjcamp.diagnosis.calibration.sufficiency import what_lacks
 from hjcamp.diagnosis.data.repeatability import MOTION_ORDERS, moves
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
@@ -38,7 +38,7 @@ def test_of_a_motor_that_only_makes_noise_nothing_can_be_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    analysis = calibrated(turning(2.0, 0.0, seed), {})
+    analysis = analysed(turning(2.0, 0.0, seed), ["constant_force"])
     layout = analysis.windows.layout
     assert not moves(layout).any()
     found = decided(analysis)
@@ -52,7 +52,7 @@ def test_of_a_motor_that_only_makes_noise_nothing_can_be_told(
 
 def test_a_slow_swing_far_above_the_noise_is_motion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    analysis = calibrated(turning(2.0, 0.5), {})
+    analysis = analysed(turning(2.0, 0.5), ["constant_force"])
     layout = analysis.windows.layout
     assert moves(layout)[0] and moves(layout)[MOTION_ORDERS:].all() and not what_lacks(analysis.measured, layout)
     assert decided(analysis).word == "nothing_missing"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from wheel_plant import WHEEL
+from wheel_plant import DRY_WHEEL, WHEEL
 
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
@@ -66,10 +66,7 @@ def test_a_sensor_that_is_no_line_is_told_with_its_line(folder: Path) -> None:
 
 
 def test_inputs_too_small_to_move_anything_are_told(folder: Path) -> None:
-    stuck = WHEEL.replace("viscous=parameter.viscous", "coulomb=parameter.viscous").replace(
-        '"N*m*s", 2e-4, (1e-7, 1e-1)', '"N*m", 2.0, (1e-7, 10.0)'
-    )
-    (folder / "plants" / "wheel.py").write_text(stuck)
+    (folder / "plants" / "wheel.py").write_text(DRY_WHEEL.replace('"N*m", 1.2e-3, (1e-7, 1e-1)', '"N*m", 2.0, (1e-7, 10.0)'))
     with pytest.raises(
         UsageError, match=r"under voltage of up to 6 V \(twice its typical=\.\.\.; does that move the machine\?\)"
     ):
