@@ -16,7 +16,7 @@ from hjcamp.effects import load_effects
 LENGTH = 0.09
 
 
-@pytest.mark.parametrize("share", [0.025, 0.15])
+@pytest.mark.parametrize("share", [0.025, pytest.param(0.15, marks=pytest.mark.study)])
 def test_friction_that_differs_along_the_travel_is_named(axis: Path, share: float) -> None:
     """A triangle along the travel, of that share of the friction at its ends: no sine, and its rms is the share over root 3."""
 
