@@ -131,7 +131,7 @@ def test_what_is_curved_with_an_input_alone_is_followed(folder: Path) -> None:
 
     # without a current nothing is curved: the plant's rates are linear where the input is at its default
     (folder / "plants" / "magnet.py").write_text(MAGNET)
-    ball, period = simulator("magnet"), 2e-3
+    ball, period = uncompiled(simulator("magnet")), 2e-3
     time = np.arange(30) * period
     current = 0.87 + 0.1 * np.sin(80.0 * time)
     readings, _ = ball.run_free(ball.vector({}), given(ball, period, 30, [[0.0105, 0.0]], current=current))
@@ -174,7 +174,7 @@ class Mixer(Plant):
 
 def test_an_input_that_multiplies_a_state_is_followed_as_exactly_as_a_coefficient(folder: Path) -> None:
     (folder / "plants" / "mixer.py").write_text(MIXER, encoding="utf-8")
-    model = simulator("mixer")
+    model = uncompiled(simulator("mixer"))
     flow = np.where(np.arange(40) < 20, 2e-3, 6e-3)
     _, states = model.run_free(model.vector({}), given(model, 5.0, 40, [[10.0]], flow=flow))
     passed = np.concatenate([[0.0], np.cumsum(5.0 * flow / 0.02)[:-1]])

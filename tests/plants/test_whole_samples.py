@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plain_kernel import uncompiled
 from plant_texts import SLAB
 from quiet_loop import columns, simulator, sine
 
@@ -44,7 +45,8 @@ def test_the_state_of_an_effect_behind_a_gate_is_moved_as_well(tmp_path: Path, m
     Path("plants/block.py").write_text(PLANT, encoding="utf-8")
     plant, lag, count = find_plant("block"), 28.0, 200
     library = load_effects(plant=plant)
-    model = Simulator(Composition(plant, tuple(library[name] for name in ("sensor_lag", "sensor_gain")), gated=True), free=True)
+    effects = tuple(library[name] for name in ("sensor_lag", "sensor_gain"))
+    model = uncompiled(Simulator(Composition(plant, effects, gated=True), free=True))
     assert "GLIDES = True" in model.source
     values = {"gate.sensor_lag": 1.0, "sensor_lag.lag": lag, "sensor_lag.dead_share": 0.0}
     marks = np.zeros(count, dtype=np.int64)
