@@ -24,7 +24,7 @@ def both(x: float, v: float) -> float:
     return -2500.0 * x * abs(v)
 
 
-def content_of(force: Any, seconds: float = 16.0, noise: float = 0.0) -> dict[str, Any]:
+def content_of(force: Any, seconds: float = 8.0, noise: float = 0.0) -> dict[str, Any]:
     found = answer(*asked(measured_tests([measured_log(force, seconds=seconds, noise=noise)]), LIBRARY), 0.0)
     return dict(json.loads(json.dumps(found, allow_nan=False)))
 
