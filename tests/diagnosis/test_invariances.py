@@ -108,7 +108,8 @@ def test_no_digit_hangs_on_workers_hashes_copies_and_names_of_conditions(
 @pytest.mark.parametrize(
     ("plant", "names", "sign", "files"),
     [
-        pytest.param(OTHER, NAMES, -1.0, "zy", id="all at once"),
+        pytest.param(PLANT, {}, -1.0, "zy", id="sign, order and names of the logs"),
+        pytest.param(OTHER, NAMES, -1.0, "zy", id="all at once", marks=pytest.mark.study),
         pytest.param(OTHER, NAMES, 1.0, "ab", id="names, order and units of the plant", marks=pytest.mark.study),
         pytest.param(PLANT, {}, -1.0, "ab", id="sign", marks=pytest.mark.study),
         pytest.param(PLANT, {}, 1.0, "zy", id="order and names of the logs", marks=pytest.mark.study),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +14,7 @@ from asked import asked
 
 from hjcamp import cli
 from hjcamp.diagnosis.calibration import analysis
-from hjcamp.diagnosis.calibration.analysis import calibrated
+from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.residuals.continuity import Through
 from hjcamp.diagnosis.results.answer import answer
@@ -26,6 +27,12 @@ NAMES = ("flow_exponent_at_outflow", "overflow_at_upper", "spill_over")
 
 def logged(samples: int, brim: float = np.inf) -> Measured:
     return measured_tests([gauge.measured_log(brim=brim, seed=2, samples=samples)])
+
+
+@functools.cache
+def base_on(samples: int) -> Analysis:
+    """Return the base calibrated on a log of so many samples; the plant's file has to be there."""
+    return calibrated(logged(samples), {}, unknowns=False)
 
 
 def test_what_the_start_of_a_test_explains_is_taken_out_of_all_its_windows() -> None:
@@ -48,21 +55,19 @@ def test_what_the_start_of_a_test_explains_is_taken_out_of_all_its_windows() -> 
 
 
 def test_short_tests_are_simulated_through_and_long_ones_in_windows(tanks: Path) -> None:
-    short = calibrated(logged(800), {}, unknowns=False)
-    layout = short.windows.layout
+    layout = base_on(800).windows.layout
     assert layout.memory > layout.width
     # one test: one start
     assert layout.begun.sum() == 1 and not layout.goes_on.any()
     # no block is shorter than what the plant remembers
     sizes = np.bincount(blocks_of(layout)) * layout.width
     assert sizes.min() >= layout.memory - layout.width and len(sizes) >= 8
-    assert calibrated(logged(8000), {}, unknowns=False).windows.layout.memory == 0
-    assert calibrated(logged(300), {}, unknowns=False).windows.layout.memory == 0
+    assert base_on(4000).windows.layout.memory == 0
+    assert base_on(300).windows.layout.memory == 0
 
 
 def test_readings_of_a_test_that_is_simulated_through_leap_nowhere(tanks: Path) -> None:
-    windows = calibrated(logged(800), {}, unknowns=False).windows
-    base = calibrated(logged(800), {}, unknowns=False).base.fitted.candidate
+    windows, base = base_on(800).windows, base_on(800).base.fitted.candidate
     through = windows.readings(base)[0][:, 0]
     cut = replace(windows, layout=replace(windows.layout, memory=0), starts=windows.starts * 1.02)
     leaps = np.abs(np.diff(through))[windows.layout.width - 1 :: windows.layout.width]
@@ -86,11 +91,8 @@ def test_a_spill_in_few_places_of_a_short_log_is_named(tanks: Path, monkeypatch:
 
 
 def test_one_set_of_logs_is_looked_at_in_one_way_whatever_is_asked(tanks: Path) -> None:
-    measured = logged(800)
     fast = Candidate({"k1": 0.5, "k3": 0.5, "k4": 0.4}, {})
-    assert (
-        calibrated(measured, {}, fast, unknowns=False).windows.layout == calibrated(measured, {}, unknowns=False).windows.layout
-    )
+    assert calibrated(base_on(800).measured, {}, fast, unknowns=False).windows.layout == base_on(800).windows.layout
 
 
 def test_next_plans_with_tests_that_are_simulated_through(tanks: Path, capsys: pytest.CaptureFixture[str]) -> None:
