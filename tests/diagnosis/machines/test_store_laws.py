@@ -117,13 +117,12 @@ def test_what_a_store_gets_or_loses_in_the_course_of_a_test_is_outside(bowl: Pat
     assert row["left"] < 0.6
 
 
-@pytest.mark.parametrize("typical", [1.0, 1e-3])
+@pytest.mark.parametrize("typical", [pytest.param(1.0, marks=pytest.mark.study), 1e-3])
 def test_an_effect_is_as_small_as_it_is_whatever_size_was_declared_usual(bowl: Path, typical: float) -> None:
     (bowl / "plants" / "bowl.py").write_text(PLANT.replace("typical=1.0", f"typical={typical}"), encoding="utf-8")
     measured = measured_tests([measured_log(1, leak=0.004)])
     library = load_effects(plant=measured.plant)
-    chosen = {name: library[name] for name in ("leakage", "flow_exponent", "sensor_gain")}
-    analysis = calibrated(measured, chosen)
+    analysis = calibrated(measured, {"leakage": library["leakage"]}, unknowns=False)
     start = analysis.base.fitted.candidate.with_effect("leakage", {**library["leakage"].defaults(), "conductance": 0.01})
     own = analysis.search.fitted(start).fitted.candidate.effects["leakage"]
     found = own["conductance"] * WIDE + own["conductance_above"] * max(WIDE - own["threshold"], 0.0)

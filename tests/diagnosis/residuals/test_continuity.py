@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from answer_schemas import check_answer
+from asked import analysed
 from gauge import BETWEEN, OUTFLOW, PLANT, PUMP, measured_log
 
 from hjcamp.commands.any_plant.next_commands import next_commands
@@ -107,8 +108,8 @@ def test_the_time_constants_of_a_tank_that_is_not_seen_are_told() -> None:
 @pytest.mark.usefixtures("tanks")
 def test_a_fit_goes_on_where_a_parameter_stands_at_its_bound() -> None:
     measured = measured_tests([measured_log(brim=7.0, samples=800)])
-    library = {name: one for name, one in load_effects(plant=measured.plant).items() if name == "spill_over"}
-    analysis = calibrated(measured, library, unknowns=False)
+    # those that a diagnosis of such tests considers
+    analysis = analysed(measured, ("flow_exponent_at_outflow", "overflow_at_upper", "spill_over"))
     begun = {"brim": 5.0, "spill": 0.1, "caught": 1.0}
     candidate = analysis.base.fitted.candidate.with_effect("spill_over", begun)
     free = analysis.search.free_of(candidate)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from hjcamp.effects import load_effects
 from hjcamp.records.log import TestLog
 
 PERIOD, SMALL, OFFSET, MAGNET, MASS = 2e-3, 20, 1e-3, 9e-5, 0.068
+SENSORS = ("sensor_gain", "sensor_lag", "sensor_offset")
 MAGNET_FILE = '''
 from hjcamp.plant import Input, Measured, Parameter, Plant, State, actuator, body, outside, sensor
 
@@ -49,6 +51,7 @@ class Magnet(Plant):
 '''
 
 
+@functools.cache
 def held_ball(seconds: float = 12.0) -> TestLog:
     """Return a log of a ball that another loop holds along sines, read 1 mm too far, solved by small steps."""
     generator = np.random.default_rng(8)
@@ -89,7 +92,7 @@ def test_the_offset_of_a_sensor_is_named_where_the_ball_falls_by_itself(measured
 
 def test_windows_begin_where_the_sensor_reads_with_its_errors(measured: Measured) -> None:
     library = load_effects(plant=measured.plant)
-    analysis = calibrated(measured, {name: library[name] for name in ("sensor_gain", "sensor_lag")}, unknowns=False)
+    analysis = calibrated(measured, {name: library[name] for name in SENSORS}, unknowns=False)
     windows, base = analysis.windows, analysis.base.fitted.candidate
     first = slice(None, None, windows.layout.width)
     plain = windows.readings(base)
@@ -120,7 +123,7 @@ def test_windows_are_no_longer_though_a_path_that_has_left_grows_no_more(
 
 def test_balances_of_the_true_model_are_noise_though_the_base_is_far_off(measured: Measured) -> None:
     library = load_effects(plant=measured.plant)
-    analysis = calibrated(measured, {"sensor_offset": library["sensor_offset"]}, unknowns=False)
+    analysis = calibrated(measured, {name: library[name] for name in SENSORS}, unknowns=False)
     assert abs(analysis.base.fitted.candidate.base["magnet"] / MAGNET - 1.0) > 0.1
     true = analysis.base.fitted.candidate.with_base({"magnet": MAGNET, "delay.current": 0.0})
     true = true.with_effect("sensor_offset", {"offset": OFFSET})
@@ -139,7 +142,7 @@ def test_balances_of_the_true_model_are_noise_though_the_base_is_far_off(measure
 
 def test_a_response_is_what_free_parameters_cannot_take_away(measured: Measured) -> None:
     library = load_effects(plant=measured.plant)
-    analysis = calibrated(measured, {"sensor_offset": library["sensor_offset"]}, unknowns=False)
+    analysis = calibrated(measured, {name: library[name] for name in SENSORS}, unknowns=False)
     search, fitted = analysis.search.at(analysis.base.place), analysis.base.fitted
     [probe] = search.probes(fitted, "sensor_offset")
     promise = Projection(fitted).promise(probe, library["sensor_offset"])
