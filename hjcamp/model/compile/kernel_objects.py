@@ -22,8 +22,9 @@ from numba.core.registry import cpu_target
 
 from hjcamp.storage import remove_files
 
-# Another process that holds a lock may be stopped, or its machine slow: then the function is compiled twice.
-PATIENCE_S = 60.0
+# A large kernel takes 20 s of a processor, and minutes where others use it too. Another process that holds a lock may be stopped:
+# then the function is compiled twice.
+PATIENCE_S = 240.0
 # Asked for while this file is imported: two threads that ask numba first would get a compiler each.
 PROCESSOR = cpu_target.target_context.codegen().magic_tuple()
 SEAL = b"hjcamp"  # stands before the hash at the end of an object file; numba itself reads no further than its pickle
