@@ -22,7 +22,7 @@ def draws(analysis: Analysis, model: Scored, number: int, seed: int) -> list[Can
 
     .. math:: \theta \sim N(\hat\theta, V), \quad \ell(\theta) - \ell(\hat\theta) \le \max(1, \delta^T H \delta)
 
-    V is the sandwich over blocks, H the information of the fit. A draw whose loss grows by more than twice what a parabola
+    V is the covariance over blocks, H the information of the fit. A draw whose loss grows by more than twice what a parabola
     says is drawn half as far: there the fit is not a parabola. Each draw is followed by its mirror image (antithetic pairs).
     """
     fitted, windows = model.fitted, analysis.windows

@@ -56,6 +56,9 @@ def test_a_wrong_inertia_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         "inertia": pytest.approx(INERTIA, rel=0.01),
         "gain": pytest.approx(1.2 * GAIN, rel=0.01),
     }
+    # by the balances that are expected of the right one: by those of the base it was 0.15 % off, and its interval 0.04 % wide
+    low, high = rows["inertia"]["ci95"]
+    assert low < INERTIA < high and high - low < 1e-3 * INERTIA
     assert rows["inertia"]["left"] < 0.5 * said["error"]["baseline"]
     [first, _] = constant_words({"inertia": rows["inertia"], "gain": rows["gain"]}, said["error"]["baseline"])
     assert first.startswith("The plant's file gives inertia as 0.0012 kg*m**2. With 0.00") and "base=True at inertia" in first
