@@ -1,4 +1,4 @@
-"""Find PID gains on the simulated rig: by the stability method, or again for the cases of a campaign."""
+"""Find PID gains on the simulated rig: by the stability method, by a step test, or again for the cases of a campaign."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from hjcamp.records.plan import Condition, Plan
 
+PIDS = ("plain_pid", "feedforward_pid")
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
@@ -29,28 +31,105 @@ def tune(
     name: Annotated[str | None, typer.Option("--as", help="Save as conf/controller/gains/NAME.yaml.")] = None,
     start: Annotated[str, typer.Option("--from", help="With a campaign: the gain set to start from.")] = "simulation",
     step_deg: Annotated[float, typer.Option(min=0.1, help="Step of the stability method, deg.")] = 30.0,
+    step: Annotated[
+        float | None, typer.Option(help="Another plant's step test: the input, SI; then twice that.", show_default=False)
+    ] = None,
+    time_ms: Annotated[
+        float | None, typer.Option(min=1e-6, help="Step test: the time constant that the loop is to have.", show_default=False)
+    ] = None,
     replace: Annotated[bool, typer.Option("--replace", help="Overwrite a gain set that exists.")] = False,
     config_dir: Annotated[Path | None, typer.Option("--config-dir", help="A further folder of groups.")] = None,
     json: AnswerFile = None,
 ) -> None:
-    """Find PID gains on the simulated rig: by the stability method, or again for the cases of a campaign.
+    """Find PID gains on the simulated rig: by the stability method, by a step test, or again for the cases of a campaign.
 
-    Without a campaign: the critical gain and period for a step, and the gains of thesis 5.2.1.3. With one: for every
+    Without a campaign: the critical gain and period for a step, and the gains of thesis 5.2.1.3; of another plant
+    (plant=NAME) two lags and a delay fitted to a step response, and Skogestad's rules (SIMC). With one: for every
     case (conditions that differ only in their trajectory share one gain set) the gains with the smallest mean RMSE1,
     sought from those of Table 5.3.1 (--from simulation) and written to conf/controller/gains/CASE.yaml.
     """
     from hjcamp.campaign.execution.console import make_console
+    from hjcamp.campaign.tuning.gains_file import free_place
     from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.known_plants import usual_plant
 
     check_answer_file(json)
     lines = overrides or []
     if any(line.split("=")[0].lstrip("+~") == "campaign" for line in lines):
+        if step is not None or time_ms is not None:
+            raise UsageError("--step and --time-ms are of a step test: leave the campaign out, or them")
         cases = tune_campaign(lines, name, start, replace, config_dir, make_console())
+    elif plant := _other_plant(lines):
+        if name is not None:
+            free_place(name, replace)
+        cases = [tune_by_step(lines, plant, name, step or 0.0, 1e-3 * (time_ms or 0.0), replace, config_dir, make_console())]
     else:
+        if step is not None or time_ms is not None:
+            raise UsageError("--step and --time-ms are of another plant's step test; add plant=NAME, or give --step-deg")
         own = usual_plant().own_room("tune")
         cases = [own.stability_method(lines, name, step_deg, replace, config_dir, make_console())]
     write_answer(json, {"schema": "hjcamp.tuning/1", "cases": cases})
+
+
+def _other_plant(lines: list[str]) -> str:
+    """Return the plant that the overrides name, empty where it is the usual one."""
+    from hjcamp.known_plants import DEFAULT
+
+    named = [line.partition("=")[2] for line in lines if line.split("=")[0].lstrip("+") == "plant"]
+    return named[-1] if named and named[-1] != DEFAULT else ""
+
+
+def tune_by_step(
+    lines: list[str],
+    plant: str,
+    name: str | None,
+    step: float,
+    closed: float,
+    replace: bool,
+    config_dir: Path | None,
+    console: Console,
+) -> dict[str, Any]:
+    """Print, and save where asked, the gains of a PID by a step test on the simulation of a plant."""
+    from hjcamp.campaign.execution.compiling import kernels_of, status
+    from hjcamp.campaign.tuning.gains_file import write_gains
+    from hjcamp.campaign.tuning.step_test import step_test
+    from hjcamp.configuration.check import check_configuration
+    from hjcamp.configuration.composer import Composer
+
+    composer = Composer(folder=config_dir)
+    laws = [line.partition("=")[2] for line in lines if line.split("=")[0] == "controller"]
+    law = laws[-1] if laws else "plain_pid"
+    if law not in PIDS:
+        raise UsageError(f"controller={law}: a step test gives the gains of a PID: controller={' or controller='.join(PIDS)}")
+    kept = [line for line in lines if line.split("=")[0] != "controller"]
+    config = composer.compose([*kept, "controller=given"]).config
+    check_configuration(config)
+    with status(console, kernels_of([config, composer.compose([*kept, f"controller={law}"]).config]), "making a step test"):
+        found = step_test(config, law, step, closed)
+    lags = found.response
+    shape = f"1/tau_1 {lags.leak:.4g} 1/s, tau_2 {lags.lag:.4g} s, delay {lags.delay:.4g} s, k' {lags.slope:.4g}"
+    gains = ", ".join(f"{key} {value:.4g}" for key, value in found.gains.items())
+    source = [
+        f"Made by: hjcamp tune {' '.join(lines)}" + (f" --as {name}" if name else ""),
+        f"Step test on the simulation of {plant}: input {found.step:g} -> {2.0 * found.step:g} (SI), {found.seconds:.4g} s; {shape},",
+        f"which leaves {100.0 * lags.left:.2g} % of the response. SIMC (Skogestad 2003) with tau_c {1e3 * found.closed:.4g} ms;",
+        f"the simulated loop goes {100.0 * found.overshoot:.2g} % beyond a step of its reference.",
+    ]
+    for line in source[1:]:
+        console.print(f"  {line}", markup=False, soft_wrap=True)
+    console.print(f"  {gains}", markup=False, soft_wrap=True)
+    path = write_gains(name, found.gains, source, replace) if name is not None else None
+    use = (
+        f"controller={law} +controller/gains={name}"
+        if path
+        else " ".join([f"controller={law}", *(f"controller.{key}={value:g}" for key, value in found.gains.items())])
+    )
+    console.print(f"  {f'saved   {path}: ' if path else ''}use {use}", markup=False, soft_wrap=True)
+    response = {"slope": lags.slope, "leak_per_s": lags.leak, "lag_s": lags.lag, "delay_s": lags.delay, "left": lags.left}
+    return {
+        "case": name, "method": "step", "step": found.step, "seconds": found.seconds, "response": response, "closed_s": found.closed,
+        "overshoot": found.overshoot, "gains": found.gains, "file": str(path) if path else None,
+    }  # fmt: skip
 
 
 def tune_campaign(
