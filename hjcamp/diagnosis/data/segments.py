@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.diagnosis.data.between_samples import halves
 from hjcamp.diagnosis.data.measured_test import MeasuredTest
 from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.model.declare.course import Given
@@ -36,6 +37,7 @@ class Layout:
 
     ``apart``: no window goes on from the one before it. ``memory``: where it is not 0, a test begins once and is simulated through,
     and a start is forgotten in so many samples. ``fine``: a sample is simulated in so many parts, each under the mean of what is given.
+    ``every``: of the runs of windows that are looked at, one in so many.
     """
 
     measured: Measured
@@ -44,6 +46,7 @@ class Layout:
     apart: bool = False
     memory: int = 0
     fine: int = 1
+    every: int = 1
 
     def predictions(self, features: Array) -> Array:
         """Return what of features (..., d) are predictions over windows (..., sensors x orders); balances stand behind them."""
@@ -73,7 +76,8 @@ class Layout:
             runs = max(min(seen, RUNS_OF_TEST), seen // RUN, 1)
             ends = np.round(np.linspace(0, count, runs + 1)).astype(int)
             looked = np.arange(count) - np.repeat(ends[:-1], np.diff(ends))
-            found.append(looked < np.repeat(np.maximum(np.round(self.share * np.diff(ends)), 1), np.diff(ends)))
+            length = np.where(np.arange(runs) % self.every == 0, np.maximum(np.round(self.share * np.diff(ends)), 1), 0)
+            found.append(looked < np.repeat(length, np.diff(ends)))
         return found
 
     @cached_property
@@ -229,19 +233,39 @@ class Layout:
 
         Two parts have the mean and the first moment of what is given over both, within what that is there.
         """
-        columns, pairs = [], self.fine // 2
+        pairs, (logged, (at, first, last)) = self.fine // 2, self._logged
+        found = np.repeat(logged[at][:, None], self.fine, axis=1)
+        within = np.repeat(first, pairs), np.repeat(last, pairs)
+        for place in {*late, *self._between}:
+            begins = (at[:, None] + np.arange(pairs) / pairs).ravel() - late.get(place, 0.0) / self.measured.period
+            column = logged[:, place]
+            runs = self._following[:, place] if place in self._between else column
+            mean, apart = halves(column, runs, begins, 1.0 / pairs, within)
+            found[:, :, place] = np.stack([mean - apart, mean + apart], axis=1).reshape(-1, self.fine)
+        return found.reshape(-1, len(self.names))
+
+    @cached_property
+    def _logged(self) -> tuple[Array, tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]]:
+        """All that was given (all samples, inputs), before the logs as well, and where each sample that is looked at stands in it,
+        with the first and the last place of its test (n,).
+        """
+        parts, places, low = [], [], 0
         for test in self.measured.tests:
-            lead, samples = len(test.earlier), test.samples
-            logged = np.concatenate([test.earlier, test.inputs]) if lead else test.inputs
-            found = np.repeat(test.inputs[:, None], self.fine, axis=1)
-            for place in {*late, *self._between}:
-                begins = lead + np.arange(samples * pairs) / pairs - late.get(place, 0.0) / self.measured.period
-                column = logged[:, place]
-                runs = np.append(column[1:], column[-1]) if place in self._between else column
-                mean, apart = halves(column, runs, begins, 1.0 / pairs)
-                found[:, :, place] = np.stack([mean - apart, mean + apart], axis=1).reshape(samples, self.fine)
-            columns.append(found)
-        return self.joined(columns).reshape(-1, len(self.names))
+            lead, high = len(test.earlier), low + len(test.earlier) + test.samples
+            parts += [test.earlier, test.inputs] if lead else [test.inputs]
+            ends = np.tile([low, high - 1], (test.samples, 1))
+            places.append(np.column_stack([np.arange(low + lead, high), ends]))
+            low = high
+        at, first, last = np.ascontiguousarray(self.joined(places).T)
+        return np.concatenate(parts), (at, first, last)
+
+    @cached_property
+    def _following(self) -> Array:
+        """What was given one sample later (all samples, inputs); the last of a test is its own."""
+        samples = np.array([len(test.earlier) + test.samples for test in self.measured.tests])
+        following = np.arange(1, samples.sum() + 1)
+        following[np.cumsum(samples) - 1] -= 1
+        return self._logged[0][following]
 
     def course(self, begins: NDArray[np.int64], inputs: Array, rows: slice | NDArray[Any], starts: Array) -> tuple[Given, int]:
         """Return some ``rows`` of the samples as a model is run through them, and in how many parts each is.
@@ -261,17 +285,13 @@ class Layout:
 
     def _moved(self, late: Mapping[int, float]) -> Array:
         """Return the inputs as measured (n, inputs), those at some places later by a time (s), earlier where that is negative."""
-        columns = []
-        for test in self.measured.tests:
-            moved, lead = test.inputs.copy(), len(test.earlier)
-            logged = np.concatenate([test.earlier, moved]) if lead else moved
-            for place, delay in late.items():
-                whole, part = divmod(delay / self.measured.period, 1.0)
-                rows = lead + np.arange(test.samples) - int(whole)
-                now, before = (logged[np.clip(one, 0, len(logged) - 1), place] for one in (rows, rows - 1))
-                moved[:, place] = (1.0 - part) * now + part * before
-            columns.append(moved)
-        return self.joined(columns)
+        logged, (at, first, last) = self._logged
+        found = logged[at]
+        for place, delay in late.items():
+            whole, part = divmod(delay / self.measured.period, 1.0)
+            now, before = (logged[np.clip(at - int(one), first, last), place] for one in (whole, whole + 1.0))
+            found[:, place] = (1.0 - part) * now + part * before
+        return found
 
     @property
     def groups(self) -> list[tuple[dict[str, float], NDArray[np.bool_]]]:
@@ -311,31 +331,3 @@ class Layout:
         with np.errstate(over="ignore", invalid="ignore"):  # a model that diverges is no warning: it is not taken
             shaped = known.reshape(-1, self.width, residuals.shape[1]) / self.measured.noise
             return np.asarray(shaped.transpose(0, 2, 1) @ self.basis)
-
-
-def halves(begins: Array, ends: Array, first: Array, length: float) -> tuple[Array, Array]:
-    r"""Return the mean m of stretches of ``length`` samples, and d with which m - d, then m + d have their first moment.
-
-    .. math:: d = \frac{4}{L^2} \int_{-L/2}^{L/2} s\, u(s)\, \mathrm{d}s
-
-    What is given runs from ``begins`` to ``ends`` (n,) in each sample; stretches begin at ``first``, in samples, and are one at most.
-    Before the first sample and after the last it is what it is there. Both halves stay within what is given.
-    """
-    at = np.floor(first)
-    cut, end_of = np.minimum(first - at + length, 1.0), first - at + length
-    whole, moment = np.zeros((2, len(first)))
-    low, high = np.full(len(first), np.inf), np.full(len(first), -np.inf)
-    for rows, start, end, offset in ((at, first - at, cut, at - first), (at + 1.0, 0.0 * cut, end_of - cut, at + 1.0 - first)):
-        inside = np.clip(rows, 0, len(begins) - 1).astype(int)
-        out = rows != inside
-        rise = np.where(out, 0.0, ends[inside] - begins[inside])
-        level = np.where(out & (rows > 0), ends[inside], begins[inside])
-        own = (end - start) * (level + 0.5 * rise * (start + end))
-        whole += own
-        moment += level * (end**2 - start**2) / 2.0 + rise * (end**3 - start**3) / 3.0 + (offset - 0.5 * length) * own
-        for edge in (level + rise * start, level + rise * end):
-            there = end > start
-            low, high = np.where(there, np.minimum(low, edge), low), np.where(there, np.maximum(high, edge), high)
-    mean = whole / length
-    most = np.maximum(np.minimum(high - mean, mean - low), 0.0)
-    return mean, np.clip(4.0 * moment / length**2, -most, most)

@@ -107,7 +107,10 @@ def test_two_halves_have_the_mean_and_the_first_moment(held: bool, length: float
         k = int(t)
         return float(begins[k] + (t - k) * (ends[k] - begins[k]))
 
-    mean, apart = halves(begins, ends, first, length)
+    # another test before it and behind it
+    other, within = generator.normal(size=5), (np.full(30, 5), np.full(30, 16))
+    given = (np.concatenate([other, one, other]) for one in (begins, ends))
+    mean, apart = halves(*given, first + 5.0, length, within)
     exact = 0
     for start, m, d in zip(first, mean, apart, strict=True):
         edges = [start, *(k for k in (np.floor(start) + 1.0,) if start < k < start + length), start + length]
