@@ -126,6 +126,16 @@ class Windows(Simulated):
         squares, shared = np.sum(left**2, axis=1), np.cumsum(self.layout.begun) - 1
         return np.asarray(np.bincount(shared, squares)[shared])
 
+    def one_in(self, every: int) -> Windows:
+        """Return one in so many of the runs of windows that are looked at, without balances; all where tests are simulated through."""
+        if self.layout.memory:
+            return replace(self, balances=None)
+        layout = replace(self.layout, every=every)
+        rows = layout.looked_at[self.layout.looked_at]
+        remembered = {name: one[rows] for name, one in self.remembered.items()}
+        slides = None if self.slides is None else self.slides[rows]
+        return replace(self, layout=layout, starts=self.starts[rows], slides=slides, remembered=remembered, balances=None)
+
     def begun_for(self, candidate: Candidate, place: Place) -> Windows:
         """Return these windows where they meet a model's readings best, moved there from a ``place``."""
         own = replace(self)
