@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -11,9 +10,10 @@ from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.hidden_states import begin_hidden
 from hjcamp.diagnosis.data.segments import Layout
-from hjcamp.diagnosis.estimation.gauss_newton import SETTLED, TURNS, Fitted, fit, settled
+from hjcamp.diagnosis.estimation.gauss_newton import SETTLED, TURNS, Fitted, settled
 from hjcamp.diagnosis.estimation.likelihood import loss
-from hjcamp.diagnosis.levels import DELTA, FITTED_STARTS, LEVEL
+from hjcamp.diagnosis.estimation.racing import RACED, raced
+from hjcamp.diagnosis.levels import DELTA, LEVEL
 from hjcamp.diagnosis.residuals.windows import Windows
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
@@ -23,8 +23,6 @@ Array = NDArray[np.float64]
 
 # Of short tests, and where errors are more than noise, the base begins with each parameter so many times smaller and larger, too.
 BEGUN_APART = 4.0
-# Such a start is judged by one in so many runs of windows.
-RACED = 4
 
 
 # In so many parts samples are simulated.
@@ -89,29 +87,16 @@ def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterab
 
 
 def _raced(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterable[str]) -> list[Candidate]:
-    """Return the starts that lead to better than a fit on some of the windows, by more than chance, the best first.
-
-    In each turn the better half is fitted on (successive halving: Jamieson & Talwalkar 2016); what is stiff where it begins is not.
-    """
+    """Return the starts that lead to better than a fit on some of the windows, by more than chance; none that is stiff there."""
     from scipy.special import chdtri
 
     windows.spare(fitted.candidate)
     some = windows.one_in(1 if windows.layout.short else RACED)
     least = loss(some.move_starts(fitted.candidate)) - 0.5 * float(chdtri(len(fitted.free), LEVEL))
 
-    def turned(start: Candidate, near: Fitted | None = None) -> Fitted:
-        own = copy.copy(some)
-        own.place = near.place if near and near.place else some.place
-        features = own.move_starts(start, rounds=1)
-        return replace(fit(own, start, fitted.free, near=near, exact=False, features=features), place=own.place)
-
     ends = [one for one in fitted.free if not one.effect and one.name in names]
     starts = [one.put(begun, factor * one.value_in(begun)) for one in ends for factor in (1.0 / BEGUN_APART, BEGUN_APART)]
-    racing = [turned(one) for one in starts if np.isfinite(some.predicted(one).readings).all()]
-    while len(racing) > FITTED_STARTS:
-        racing = sorted(racing, key=lambda one: one.loss)[: -(-len(racing) // 2)]
-        racing = [turned(one.candidate, one) for one in racing]
-    return [one.candidate for one in sorted(racing, key=lambda one: one.loss) if one.loss < least]
+    return [one.candidate for one in raced(some, starts, lambda start: fitted.free) if one.loss < least]
 
 
 def refitted_from_model_states(windows: Windows, fitted: Fitted) -> Fitted:

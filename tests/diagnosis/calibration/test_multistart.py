@@ -9,9 +9,10 @@ import pytest
 from carriage import COULOMB, MASS, VISCOUS, measured_log
 
 from hjcamp.diagnosis.calibration.analysis import Analysis, calibrated
-from hjcamp.diagnosis.calibration.multistart import RACED, best_begun
+from hjcamp.diagnosis.calibration.multistart import best_begun
 from hjcamp.diagnosis.data.tests import measured_tests
 from hjcamp.diagnosis.estimation.gauss_newton import fit
+from hjcamp.diagnosis.estimation.racing import RACED
 from hjcamp.model.run.simulator import Ran, Simulator
 
 BASE = {"mass": MASS, "coulomb": COULOMB, "viscous": VISCOUS}
