@@ -80,7 +80,10 @@ def _with_form(search: Search, before: Scored, name: str, port: Port, others: ND
     if best.candidate.effects[name][effect.granted] > TRIED[-1] * most:
         return None
     windows.slides = _slides(search, best, port, others)
-    found = search.resettled(search.fitted(best.candidate, best))
+    found = search.fitted(best.candidate, best)
+    if not found.left_out < before.left_out:
+        return None
+    found = search.resettled(found)
     search.begins[name] = dict(found.fitted.candidate.effects[name])
     return found if _own(search, found, name) <= most else None
 

@@ -22,6 +22,8 @@ SETTLED = 0.5
 # So many turns of a fit and of its windows' starts at most: they end where nothing is gained.
 TURNS = 20
 GAINED = 0.05
+# A step that promises less is not tried: it would move a parameter by a hundredth of its standard error.
+PROMISED = 5e-5
 WORST_DAMPING = 1e6
 # Slopes that are followed by secants are computed afresh where a step gains less, or must be damped more.
 ENOUGH = 2.0
@@ -131,12 +133,13 @@ def fit(
     near: Fitted | None = None,
     exact: bool = True,
     features: Array | None = None,
+    fresh: bool = False,
 ) -> Fitted:
     """Return the fit from ``start`` within its bounds; it never is worse than that. Window starts stay as they are.
 
     Slopes follow each step by a secant update (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6). They are computed afresh
     where a step gains little, and once more where it gains nothing; ``near`` lends its own, ``exact`` asks for fresh ones at
-    the end. ``features`` are those of ``start`` where they are known.
+    the end. ``features`` are those of ``start`` where they are known; ``fresh`` says that the slopes of ``near`` are those of ``start``.
     """
     candidate, damping = start, 1e-3
     for one in free:
@@ -144,7 +147,8 @@ def fit(
     if features is None or candidate is not start:
         features = windows.along(candidate)
     current = whole_loss(features, candidate, free)
-    slopes, fresh = _lent(windows, candidate, free, features, near)
+    slopes, own = _lent(windows, candidate, free, features, near)
+    fresh = fresh or own
     close = fresh  # whether no step since they were computed has gained much
     for _ in range(rounds):
         if not free or not np.isfinite(current):
@@ -159,6 +163,8 @@ def fit(
         gained = 0.0
         while damping < WORST_DAMPING:
             step = bounded_step(curvature + damping * np.diag(size), downhill, *room_of(free, candidate))
+            if downhill @ step < PROMISED:
+                break
             tried = moved_by(candidate, free, step)
             seen = windows.along(tried)
             value = whole_loss(seen, tried, free)
@@ -221,7 +227,7 @@ def settled(windows: Windows, start: Candidate, free: Sequence[Free], near: Fitt
             break
         before = found
         features = windows.move_starts(before.candidate, rounds=1)
-        found = fit(windows, before.candidate, free, near=before, features=features)
+        found = fit(windows, before.candidate, free, near=before, features=features, fresh=True)
         gained = before.loss - found.loss
         # where states go on from window to window, starts that are moved may bend the loss upwards at first
         if gained < SETTLED and (gained > -SETTLED or not windows.unseen.any()):
