@@ -50,7 +50,10 @@ def predictable(
     found = _begun(measured, kernels, candidate, widths[0], effort)
     if len(widths) > 1:
         found.move_starts(candidate)
+        # on its way a fit may come where friction chatters
+        found.spare(candidate)
         fitted = settled(found, candidate, free)
+        found.usual_steps = 0.0
         candidate = fitted.candidate if np.isfinite(fitted.loss) else candidate
     order = len(measured.plant.states) - 1
     own = found.growth(candidate) / power_of(widths[0], order) if len(widths) > 1 else 0.0
