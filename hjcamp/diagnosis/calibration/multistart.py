@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -10,10 +11,9 @@ from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.hidden_states import begin_hidden
 from hjcamp.diagnosis.data.segments import Layout
-from hjcamp.diagnosis.estimation.gauss_newton import SETTLED, TURNS, Fitted, settled
+from hjcamp.diagnosis.estimation.gauss_newton import SETTLED, TURNS, Fitted, fit, settled
 from hjcamp.diagnosis.estimation.likelihood import loss
-from hjcamp.diagnosis.estimation.racing import RACED, raced
-from hjcamp.diagnosis.levels import DELTA, LEVEL
+from hjcamp.diagnosis.levels import DELTA, FITTED_STARTS, LEVEL
 from hjcamp.diagnosis.residuals.windows import Windows
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
@@ -87,16 +87,38 @@ def best_begun(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterab
 
 
 def _raced(windows: Windows, begun: Candidate, fitted: Fitted, names: Iterable[str]) -> list[Candidate]:
-    """Return the starts that lead to better than a fit on some of the windows, by more than chance; none that is stiff there."""
+    """Return the starts that lead to better than a fit on some of the windows, by more than chance; none that is stiff there.
+
+    After a first fit of each from windows' starts as they are, those that are about where the fit is lead there. Of the others the
+    better half goes on in each turn (successive halving: Jamieson & Talwalkar 2016, arXiv:1502.07943).
+    """
     from scipy.special import chdtri
 
     windows.spare(fitted.candidate)
-    some = windows.one_in(1 if windows.layout.short else RACED)
+    some = windows.some()
     least = loss(some.move_starts(fitted.candidate)) - 0.5 * float(chdtri(len(fitted.free), LEVEL))
+
+    def turned(start: Candidate, near: Fitted | None = None) -> Fitted:
+        own = copy.copy(some)
+        own.place = near.place if near and near.place else some.place
+        features = own.move_starts(start, rounds=1)
+        return replace(fit(own, start, fitted.free, near=near, exact=False, features=features), place=own.place)
 
     ends = [one for one in fitted.free if not one.effect and one.name in names]
     starts = [one.put(begun, factor * one.value_in(begun)) for one in ends for factor in (1.0 / BEGUN_APART, BEGUN_APART)]
-    return [one.candidate for one in raced(some, starts, lambda start: fitted.free) if one.loss < least]
+    first = (turned(one) for one in starts if np.isfinite(some.predicted(one).readings).all())
+    racing = [one for one in first if elsewhere(one.candidate, fitted.candidate, names)]
+    while len(racing) > FITTED_STARTS:
+        racing = sorted(racing, key=lambda one: one.loss)[: -(-len(racing) // 2)]
+        racing = [turned(one.candidate, one) for one in racing]
+    ended = [settled(some.begun_for(one.candidate, one.place or some.place), one.candidate, fitted.free) for one in racing]
+    return [one.candidate for one in sorted(ended, key=lambda one: one.loss) if one.loss < least]
+
+
+def elsewhere(one: Candidate, other: Candidate, names: Iterable[str]) -> bool:
+    """Whether a base parameter is half as far off, on a logarithmic scale, as a base is begun apart."""
+    pairs = [(one.base[name], other.base[name]) for name in names if name in one.base and name in other.base]
+    return any(b and not BEGUN_APART**-0.5 < a / b < BEGUN_APART**0.5 for a, b in pairs)
 
 
 def refitted_from_model_states(windows: Windows, fitted: Fitted) -> Fitted:

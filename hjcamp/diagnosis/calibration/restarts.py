@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
-from hjcamp.diagnosis.calibration.multistart import BEGUN_APART
+from hjcamp.diagnosis.calibration.multistart import elsewhere
 from hjcamp.diagnosis.estimation.gauss_newton import settled
 from hjcamp.diagnosis.levels import DELTA, LEVEL
 from hjcamp.diagnosis.selection.scored import Scored
@@ -27,15 +27,9 @@ def better_base(analysis: Analysis, said: Scored, others: Iterable[Scored]) -> d
     names, share = analysis.measured.plant.base_parameters, analysis.channels.share
     for one in (said, *others):
         start = Candidate(one.fitted.candidate.base, base.candidate.effects)
-        if not one.beyond(analysis.base) or (one is not said and not _elsewhere(start, base.candidate, names)):
+        if not one.beyond(analysis.base) or (one is not said and not elsewhere(start, base.candidate, names)):
             continue
         fitted = settled(analysis.windows.begun_for(start, one.place), start, base.free)
         if np.isfinite(fitted.loss) and fitted.loss < least and share(fitted.features, base.features, base.features) >= DELTA:
             least, found = fitted.loss, dict(fitted.candidate.base)
     return found
-
-
-def _elsewhere(one: Candidate, other: Candidate, names: Iterable[str]) -> bool:
-    """Whether a base parameter is half as far off, on a logarithmic scale, as a base is begun apart."""
-    pairs = [(one.base[name], other.base[name]) for name in names if name in one.base and name in other.base]
-    return any(b and not BEGUN_APART**-0.5 < a / b < BEGUN_APART**0.5 for a, b in pairs)

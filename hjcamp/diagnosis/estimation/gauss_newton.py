@@ -139,7 +139,7 @@ def fit(
 
     Slopes follow each step by a secant update (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6). They are computed afresh
     where a step gains little, and once more where it gains nothing; ``near`` lends its own, ``exact`` asks for fresh ones at
-    the end. ``features`` are those of ``start`` where they are known; ``fresh`` says that the slopes of ``near`` are those of ``start``.
+    the end. ``features`` are those of ``start`` where they are known; with ``fresh`` the slopes of ``near`` are those of ``start``.
     """
     candidate, damping = start, 1e-3
     for one in free:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.diagnosis.data.segments import WINDOWS
 from hjcamp.diagnosis.residuals.balances import Balances, Usual
 from hjcamp.diagnosis.residuals.continuity import Memory, Passage, Through
 from hjcamp.diagnosis.residuals.initial_states import on_sensors
@@ -26,6 +27,8 @@ from hjcamp.model.declare.candidate import Candidate
 Array = NDArray[np.float64]
 # In its usual sizes, or in its own size where that is more and nothing measures it: how far a start is moved at once.
 FARTHEST_MOVED = 3.0
+# Starts of a fit are judged by one in so many runs of windows.
+ONE_IN = 4
 
 
 class Place(NamedTuple):
@@ -126,9 +129,10 @@ class Windows(Simulated):
         squares, shared = np.sum(left**2, axis=1), np.cumsum(self.layout.begun) - 1
         return np.asarray(np.bincount(shared, squares)[shared])
 
-    def one_in(self, every: int) -> Windows:
-        """Return one in so many of the runs of windows that are looked at, without balances; all where tests are simulated through."""
-        if self.layout.memory:
+    def some(self) -> Windows:
+        """Return one in a few runs of windows, without balances: enough of them to judge starts by, all where there are no more."""
+        every = 1 if self.layout.memory else min(len(self.layout.of_test) // WINDOWS, ONE_IN)
+        if every <= 1:
             return replace(self, balances=None)
         layout = replace(self.layout, every=every)
         rows = layout.looked_at[self.layout.looked_at]

@@ -17,7 +17,6 @@ from hjcamp.diagnosis.candidates.nonparametric_terms import Unknown
 from hjcamp.diagnosis.candidates.visited_range import Range, largest_commands, visited_shapes
 from hjcamp.diagnosis.estimation.gauss_newton import TURNS, Fitted, Free, fit, settled
 from hjcamp.diagnosis.estimation.likelihood import loss, size
-from hjcamp.diagnosis.estimation.racing import RACED, raced
 from hjcamp.diagnosis.levels import FITTED_STARTS, TRIED_ROUNDS, TRIED_STARTS
 from hjcamp.diagnosis.residuals.windows import Place, Windows
 from hjcamp.diagnosis.screening.screening import (
@@ -241,15 +240,17 @@ class Fits:
     def best_of(self, starts: Sequence[Candidate], before: Fitted, to_the_end: bool = False) -> Fitted:
         """Return the best fit after few rounds from those starts that are best as they are, and from the plain one of the best.
 
-        Of short tests all are fitted to the end, and where it is asked those that are ahead of the others on some of the windows: what
-        is best as it is often leads nowhere.
+        Of short tests all are fitted to the end, and where it is asked those that fit some of the windows best: what is best as it is
+        often leads nowhere.
         """
         starts = [self.on_time(one) for one in starts]
         distinct = {self.acting(one): one for one in starts}
         if self.windows.layout.short or to_the_end:
-            if not self.windows.layout.short:
-                ahead = raced(self.windows.one_in(RACED), distinct.values(), self.free_of)
-                distinct = {self.acting(one.candidate): one.candidate for one in ahead} or distinct
+            some = self.windows.some()
+            if some.layout is not self.windows.layout and len(distinct) > FITTED_STARTS:
+                ended = [settled(self.windows.some(), one, self.free_of(one)) for one in distinct.values()]
+                ahead = sorted(ended, key=lambda one: one.loss)[:FITTED_STARTS]
+                distinct = {self.acting(one.candidate): one.candidate for one in ahead}
             best = min((self.settled(one) for one in distinct.values()), key=lambda one: one.loss)
             plain = self.plain(best.candidate, before.candidate)
             if self.acting(plain) == self.acting(best.candidate):
