@@ -41,6 +41,7 @@ def test_some_runs_of_windows_have_the_features_of_these_windows(
 def test_starts_that_are_better_on_some_of_the_windows_alone_are_fitted_to_all(
     analysis: Analysis, monkeypatch: pytest.MonkeyPatch, poor: str, better: bool
 ) -> None:
+    monkeypatch.setattr("hjcamp.diagnosis.residuals.windows.WINDOWS", 27)
     windows, found = analysis.windows, analysis.base.fitted
     windows.balances = None
     begun = found.candidate.with_base({poor: 4.0 * found.candidate.base[poor]}) if poor else found.candidate
