@@ -30,10 +30,7 @@ SMALL = 0.05
 
 @dataclass(frozen=True)
 class Probe:
-    """One effect at one setting of its shapes: its responses (windows, d, amplitudes) to ``sizes`` of its amplitudes.
-
-    ``moves`` (free, amplitudes) are what the model's free parameters were moved by with each, in units of their scales.
-    """
+    """One effect at one setting of its shapes: its responses (windows, d, amplitudes) to ``sizes`` of its amplitudes."""
 
     effect: str
     setting: Mapping[str, float]
@@ -41,7 +38,6 @@ class Probe:
     sizes: Array
     one_sided: bool
     responses: Array
-    moves: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -54,42 +50,19 @@ class ProbedModel:
     candidate: Candidate
     features: Array
     error: float
-    projection: Projection
 
     @classmethod
     def of(cls, windows: Windows, fitted: Fitted) -> ProbedModel:
         """Return it for a fitted model."""
-        error, candidate, projection = float(np.linalg.norm(fitted.features)), fitted.candidate, Projection(fitted)
+        error, candidate = float(np.linalg.norm(fitted.features)), fitted.candidate
         if not windows.forms & set(candidate.effects):
-            return cls(candidate, fitted.features, error, projection)
+            return cls(candidate, fitted.features, error)
         plain = candidate.without(windows.forms)
-        return cls(plain, windows.features(plain), error, projection)
+        return cls(plain, windows.features(plain), error)
 
     def response(self, windows: Windows, effect: str, values: Mapping[str, float]) -> Array:
         """Return what an effect changes (windows, d)."""
         return windows.features(self.candidate.with_effect(effect, values)) - self.features
-
-    def compensated(self, windows: Windows, effect: str, values: Mapping[str, float], response: Array) -> tuple[Array, Array]:
-        """Return what an effect changes with free parameters moved against it (windows, d), and their moves (free,).
-
-        Where they take most of a response away, what they leave of a finite one is their curvature and not the effect.
-        """
-        free = self.projection.fitted.free
-        steps = self.projection.steps(response)
-        still = np.zeros(len(free))
-        if not np.all(np.isfinite(response)) or not self.projection.takes_most(response, steps):
-            return response, still
-        candidate = self.candidate
-        for one, step in zip(free, steps, strict=True):
-            if step and (not one.effect or one.effect in candidate.effects):
-                candidate = one.into(candidate, one.of(candidate) + float(np.clip(step, -1.0, 1.0)))
-        moved = windows.features(candidate.with_effect(effect, values)) - self.features
-        if not np.linalg.norm(moved) < np.linalg.norm(response):
-            return response, still
-        known = [not one.effect or one.effect in candidate.effects for one in free]
-        return moved, np.array(
-            [one.of(candidate) - one.of(self.candidate) if at else 0.0 for one, at in zip(free, known, strict=True)]
-        )
 
 
 @dataclass(frozen=True)
@@ -109,7 +82,7 @@ def probes_of(windows: Windows, probed: ProbedModel, effect: type[Effect], visit
 
 def _probe(windows: Windows, probed: ProbedModel, effect: type[Effect], setting: Mapping[str, float]) -> Iterator[Probe]:
     """Yield the probe at one setting of the shapes, of each amplitude alone; none where the model diverges."""
-    names, sizes, responses, moves = amplitudes_of(effect), [], [], []
+    names, sizes, responses = amplitudes_of(effect), [], []
     values = {**effect.defaults(), **setting}
     absent = {name: effect.parameters[name].off or 0.0 for name in names[1:]}
     for name in names:
@@ -123,13 +96,11 @@ def _probe(windows: Windows, probed: ProbedModel, effect: type[Effect], setting:
             if larger <= LARGE or far_off(item):
                 break
             size /= larger if math.isfinite(larger) else UNSTABLE
-        response, move = probed.compensated(windows, effect.name, own, response)
         sizes.append(size)
         responses.append(response)
-        moves.append(move)
     if np.all(np.isfinite(responses)):
         sided = len(names) == 1 and effect.parameters[names[0]].bounds[0] >= (effect.parameters[names[0]].off or 0.0)
-        yield Probe(effect.name, values, names, np.array(sizes), sided, np.stack(responses, axis=2), np.stack(moves, axis=1))
+        yield Probe(effect.name, values, names, np.array(sizes), sided, np.stack(responses, axis=2))
 
 
 def refined(
@@ -179,18 +150,6 @@ class Projection:
         stacked = self._slopes
         u, s, _ = np.linalg.svd(stacked, full_matrices=False) if self._rows else (stacked, np.zeros(0), None)
         self._span = u[:, s > 1e-8 * s[0]] if len(s) and s[0] > 0.0 else np.zeros((len(stacked), 0))
-
-    def steps(self, response: Array) -> Array:
-        """Return the steps (free,) of the free parameters that take most of a response (windows, d) away, in units of their scales."""
-        found = np.zeros(len(self.fitted.free))
-        target = np.concatenate([(response @ self.whitener).ravel(), np.zeros(self._rows)])
-        found[self._free] = np.linalg.lstsq(self._slopes, -target, rcond=1e-8)[0] if self._rows else 0.0
-        return found
-
-    def takes_most(self, response: Array, steps: Array) -> bool:
-        """Whether steps of the free parameters (free,) take more than half (rms) of a response (windows, d) away."""
-        left = (response + self.fitted.slopes @ steps) @ self.whitener
-        return bool(np.linalg.norm(left) < 0.5 * np.linalg.norm(response @ self.whitener))
 
     def free_of_base(self, features: Array) -> Array:
         """Return features (windows, d) or responses (windows, d, k), white and projected, as columns (n, k)."""
@@ -246,13 +205,12 @@ class Projection:
     def _with_share(self, probe: Probe, parameters: dict[str, float], share: Array) -> Candidate:
         """Return the model with the effect, its other free parameters moved to where they fit best next to it."""
         fitted = self.fitted
-        steps = self.steps(probe.responses @ share)
-        if probe.moves is not None:
-            steps += probe.moves @ share
+        target = np.concatenate([((probe.responses @ share) @ self.whitener).ravel(), np.zeros(self._rows)])
+        steps = np.linalg.lstsq(self._slopes, -target, rcond=1e-8)[0] if self._rows else np.zeros(len(self._free))
         candidate = fitted.candidate
-        for k in self._free:
+        for k, step in zip(self._free, steps, strict=True):
             one = fitted.free[k]
-            candidate = one.into(candidate, one.of(candidate) + float(np.clip(steps[k], -1.0, 1.0)))
+            candidate = one.into(candidate, one.of(candidate) + float(np.clip(step, -1.0, 1.0)))
         return candidate.with_effect(probe.effect, parameters)
 
     def _loss(self, white: Array) -> float:

@@ -15,7 +15,6 @@ from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.residuals.initial_states import erring_sensors
 from hjcamp.diagnosis.residuals.windows import Windows
-from hjcamp.diagnosis.screening.screening import Probe, Projection
 from hjcamp.effects import load_effects
 from hjcamp.records.log import TestLog
 
@@ -135,25 +134,10 @@ def test_balances_of_the_true_model_are_noise_though_the_base_is_far_off(measure
 
     own.move_starts(true, rounds=4)
     assert 0.4 < rms() < 1.3
-    # what they are where the base were true says nothing of a model that predicts otherwise
-    own.usual = analysis.base.place.usual
-    assert rms() > 10.0
-
-
-def test_a_response_is_what_free_parameters_cannot_take_away(measured: Measured) -> None:
-    library = load_effects(plant=measured.plant)
-    analysis = calibrated(measured, {name: library[name] for name in SENSORS}, unknowns=False)
-    search, fitted = analysis.search.at(analysis.base.place), analysis.base.fitted
-    [probe] = search.probes(fitted, "sensor_offset")
-    promise = Projection(fitted).promise(probe, library["sensor_offset"])
-    # the magnet nearly takes the place of an offset: what a finite one leaves is its curvature, which promised nothing
-    plain = replace(
-        probe, responses=search.probed_model(fitted).response(search.windows, "sensor_offset", _at(probe))[:, :, None]
-    )
-    assert Projection(fitted).promise(replace(plain, moves=None), library["sensor_offset"]).gain < 0.3 * promise.gain
-    assert promise.candidate.effects["sensor_offset"]["offset"] > 0.0
-    assert promise.candidate.base["magnet"] < fitted.candidate.base["magnet"]
-
-
-def _at(probe: Probe) -> dict[str, float]:
-    return {**probe.setting, probe.amplitudes[0]: float(probe.sizes[0])}
+    # across seams that are far apart nothing is known of what smoothing makes of the base's path, here of all
+    usual = analysis.base.place.usual
+    assert usual is not None and np.mean(np.all(usual.estimated == usual.simulated, axis=1)) > 0.9
+    assert own.usual is not None and np.mean(np.all(own.usual.estimated == own.usual.simulated, axis=1)) < 0.1
+    own.balances = replace(own.balances, usual=usual) if own.balances else None
+    own.usual = None
+    assert rms() < 2.0
