@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,18 +25,17 @@ from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.residuals.initial_states import best_sensors, estimated, on_sensors, rate_of, shown_by
 from hjcamp.diagnosis.residuals.kernels import Kernels
 from hjcamp.diagnosis.residuals.simulated import Predicted
+from hjcamp.diagnosis.residuals.weak_form import ORDERS, slides, test_functions
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.language.vocabulary import read_vocabulary
 from hjcamp.model.run.rates import Along, Course
 
 Array = NDArray[np.float64]
-# Test functions of a window: Legendre polynomials of these orders, and in samples how long they rise from nothing at its ends.
-ORDERS, RISE = 4, 6
 # Draws of the sensors' noise by which the noise of a balance is found, and what it is where nothing is missing.
 DRAWS = 12
-# A stretch of a window shorter than this (samples) has no balance: its test functions would hardly differ.
-SHORTEST = 4 * RISE
+# In standard deviations of a measured state: a model whose next window begins farther off has no path across that seam.
+TORN = 5.0
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,8 @@ class Usual(NamedTuple):
 class Balances:
     """The balances of the windows of a layout, at ``states`` (n, states) as they were measured, or filled in where nothing measures.
 
-    ``usual`` is what they are where the base is true, ``further`` what more draws of the noise make of that.
+    ``blocks`` (windows,) are left out by turns; ``usual`` is what they are where the base is true, ``further`` what more draws of the
+    noise make of that.
     """
 
     layout: Layout
@@ -80,11 +80,8 @@ class Balances:
     @classmethod
     def of(
         cls, layout: Layout, kernels: Kernels, base: Candidate, predicted: Predicted, blocks: NDArray[np.int64]
-    ) -> Balances | None:
-        """Return those that the measured states allow, None without any.
-
-        ``predicted`` is what the ``base`` predicts; ``blocks`` (windows,) are left out by turns.
-        """
+    ) -> Self | None:
+        """Return those that the measured states allow, None without any; ``predicted`` is what the ``base`` predicts."""
         states = _known(layout, layout.measured)
         seen = np.asarray(np.isfinite(states).all(axis=0))
         moving = _sides(layout, states)
@@ -112,7 +109,8 @@ class Balances:
         """Return what the balances of a model are where it is true, by what it predicts.
 
         Of what the predicted states themselves balance to, that within windows is part of it (a sum in the place of an integral),
-        not how far off the next one begins.
+        not how far off the next one begins. Where that is far, what is estimated across the seam is no state of the model: nothing is
+        known of it there.
         """
         plain = candidate.without(self._erring(candidate))
         drawn = np.mean(self._drawn(plain, predicted, 2), axis=0) + self.further
@@ -120,7 +118,20 @@ class Balances:
         simulated = self._raw(plain, states, predicted.ends)
         if len(plain.effects) < len(candidate.effects):
             states = self._shown(predicted, self._along(plain, predicted.states))
-        return Usual(drawn + simulated - self._raw(plain, states), simulated)
+        of_chain = drawn - self._raw(plain, states)
+        of_chain[self._torn(predicted)] = 0.0
+        return Usual(simulated + of_chain, simulated)
+
+    def _torn(self, predicted: Predicted) -> NDArray[np.bool_]:
+        """Return whether a window ends or begins far from where its neighbour does (windows,), in units of what is known of states."""
+        first = predicted.states[:: self.layout.width]
+        seams = np.flatnonzero(self.layout.goes_on & self.layout.begun)
+        error = estimated(self.layout.measured)[1]
+        jump = np.abs(first[seams] - predicted.ends[seams - 1]) / error
+        far = seams[np.any(jump > TORN, axis=1)]
+        found = np.zeros(len(first), dtype=bool)
+        found[far] = found[far - 1] = True
+        return found
 
     def _able(self, base: Candidate, seen: NDArray[np.bool_]) -> list[Balance]:
         """Return the states that can be balanced: measured, of which the rate is an equation of measured states alone."""
@@ -268,8 +279,8 @@ class Balances:
             if not one.whole:
                 own = [contacts.index(one.name)] if one.name in contacts else range(len(contacts))
                 for k in own:
-                    use &= _slides(self.moving[:, k]).reshape(use.shape)
-            found[one.name] = np.stack([_test_functions(row) for row in use])
+                    use &= slides(self.moving[:, k]).reshape(use.shape)
+            found[one.name] = np.stack([test_functions(row) for row in use])
         return found
 
     def _drawn(self, model: Candidate, predicted: Predicted, draws: int) -> list[Array]:
@@ -312,29 +323,3 @@ def _sides(layout: Layout, states: Array) -> Array:
     names = list(plant.states)
     columns = [np.sign(np.nan_to_num(states[:, names.index(one.velocity)])) for one in read_vocabulary(plant).contacts]
     return np.column_stack(columns) if columns else np.zeros((len(states), 0))
-
-
-def _slides(side: Array) -> NDArray[np.bool_]:
-    """Return in which samples (n,) a contact slides one way, with `RISE` samples on both sides of them."""
-    same = (side != 0.0) & (np.append(side[1:], side[-1]) == side)
-    return np.asarray(np.convolve(same, np.ones(2 * RISE + 1), mode="same") > 2 * RISE + 0.5)
-
-
-def _test_functions(use: NDArray[np.bool_]) -> Array:
-    """Return the test functions of a window (width, orders) over its longest usable stretch of samples; 0 where that is short."""
-    found = np.zeros((len(use), ORDERS))
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], use.astype(int), [0]])))
-    stretches = edges.reshape(-1, 2)
-    if not len(stretches):
-        return found
-    low, high = stretches[np.argmax(stretches[:, 1] - stretches[:, 0])]
-    length = high - low
-    if length < SHORTEST:
-        return found
-    # the step from one sample to the next stands at its middle
-    at = np.arange(length - 1) + 0.5
-    ramp = np.clip(np.minimum(at, length - 1 - at) / RISE, 0.0, 1.0)
-    rise = np.sin(0.5 * np.pi * ramp) ** 2
-    powers = np.vander(np.linspace(-1.0, 1.0, length - 1), ORDERS, increasing=True) * rise[:, None]
-    found[low : high - 1] = np.linalg.qr(powers)[0]
-    return found

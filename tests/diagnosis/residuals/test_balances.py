@@ -13,9 +13,10 @@ from hjcamp.diagnosis.calibration.prediction_windows import predictable
 from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.estimation.likelihood import loss
-from hjcamp.diagnosis.residuals.balances import ORDERS, Balances
+from hjcamp.diagnosis.residuals.balances import Balances
 from hjcamp.diagnosis.residuals.kernels import Kernels
 from hjcamp.diagnosis.residuals.simulated import Predicted
+from hjcamp.diagnosis.residuals.weak_form import ORDERS
 from hjcamp.diagnosis.validation.blocks import advantages, discrimination, ratio_t
 from hjcamp.effects import load_effects
 from hjcamp.known_plants import plant_called
