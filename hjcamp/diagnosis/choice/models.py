@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjcamp.diagnosis.calibration.analysis import Analysis
-from hjcamp.diagnosis.candidates.equivalence import equivalent_laws, kind_of
+from hjcamp.diagnosis.candidates.equivalence import equivalent_laws, kind_of, law_of
 from hjcamp.diagnosis.choice.responses import Responses
-from hjcamp.diagnosis.choice.subsets import Ranked, best_settings, kept_by_blocks, pairs_of
+from hjcamp.diagnosis.choice.subsets import Column, Ranked, best_settings, kept_by_blocks, pairs_of
 from hjcamp.diagnosis.estimation.likelihood import size
 from hjcamp.diagnosis.levels import DELTA
 from hjcamp.diagnosis.selection.scored import Scored
@@ -20,7 +20,7 @@ from hjcamp.diagnosis.validation.kernel_regression import regression_of
 from hjcamp.model.declare.candidate import Candidate
 
 Array = NDArray[np.float64]
-# Budgets: settings of a candidate that enter pairs, and single candidates of each kind that each block keeps (of pairs one).
+# Budgets: settings of a candidate that enter pairs, and laws of single candidates of each kind that each block keeps (of pairs one).
 SETTINGS, FEW = 2, 2
 # Non-parametric terms and names of which every pair is looked at.
 FUNCTIONS, NAMES = 3, 5
@@ -102,7 +102,9 @@ class Models:
         pairs = moments.ranked(pairs_of(best, columns, lambda a, b: search.may_be_added(b, [*self.base.names, a])))
         first = _first(best_settings(best, columns, 1), NAMES)
         both = moments.ranked([(a.columns[0], b.columns[0]) for a in _first(functions, FUNCTIONS) for b in first])
-        kept = kept_by_blocks(((singles, FEW), (functions, FEW), (pairs, 1), (both, 1)), len(self.names))
+        kept = kept_by_blocks(
+            ((singles, FEW), (functions, FEW), (pairs, 1), (both, 1)), len(self.names), lambda one: self._laws(one, columns)
+        )
         found: dict[frozenset[str], set[int]] = {}
         for places, blocks in kept.items():
             found.setdefault(frozenset(columns[one].name for one in places), set()).update(blocks)
@@ -112,6 +114,12 @@ class Models:
         for name in sorted({name for names in found for name in names}):
             found.setdefault(frozenset([name]), set())
         return {names: frozenset(blocks) for names, blocks in found.items()}
+
+    def _laws(self, one: Ranked, columns: Sequence[Column]) -> frozenset[object]:
+        """Return what a set of candidates makes of what, whatever the forms."""
+        names = [columns[k].name for k in one.columns]
+        effects = {name: self.library[name] if name in self.library else self.terms[name].effect for name in names}
+        return frozenset(law_of(effect) or name for name, effect in effects.items())
 
     def _forms_of(self, names: set[str]) -> list[str]:
         """Return the named effects of which a term among these is another form, whatever the linear responses say of their signs."""
@@ -177,7 +185,8 @@ class Models:
         responses = Responses(self.search, model, names)
         columns = responses.columns
         ranked = best_settings(responses.moments.ranked([(k,) for k in range(len(columns))]), columns, 1)
-        kept = {columns[one].name: blocks for (one,), blocks in kept_by_blocks(((ranked, FEW),), len(self.names)).items()}
+        chosen = kept_by_blocks(((ranked, FEW),), len(self.names), lambda one: self._laws(one, columns))
+        kept = {columns[one].name: blocks for (one,), blocks in chosen.items()}
         fits = self.search.each(responses.fitted, list(kept), lambda name: f"fitting {name.replace('_', ' ')}")
         return [
             Model(one, frozenset(kept[name])) for name, one in zip(kept, fits, strict=True) if one and self._admissible(one)

@@ -13,7 +13,7 @@ doi:10.1111/j.2517-6161.1974.tb00994.x; best subsets: Hocking & Leslie 1967). No
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -125,12 +125,20 @@ def pairs_of(
     ]
 
 
-def kept_by_blocks(groups: Sequence[tuple[Sequence[Ranked], int]], blocks: int) -> dict[tuple[int, ...], set[int]]:
-    """Return the sets that score most in all blocks but one, with the blocks that chose them: of each group so many for each block."""
+def kept_by_blocks(
+    groups: Sequence[tuple[Sequence[Ranked], int]], blocks: int, law: Callable[[Ranked], Hashable] = lambda one: one.columns
+) -> dict[tuple[int, ...], set[int]]:
+    """Return the sets that score most in all blocks but one, with the blocks that chose them.
+
+    Each block keeps of each group sets of so many laws: forms of one law do not crowd out another.
+    """
     found: dict[tuple[int, ...], set[int]] = {}
     for group, few in groups:
         for b in range(blocks):
-            rest = sorted(group, key=lambda one: -(one.scores.sum() - one.scores[b]))
-            for one in rest[:few]:
+            laws: set[Hashable] = set()
+            for one in sorted(group, key=lambda one: -(one.scores.sum() - one.scores[b])):
+                laws.add(law(one))
+                if len(laws) > few:
+                    break
                 found.setdefault(one.columns, set()).add(b)
     return found
