@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import types
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
@@ -13,6 +15,7 @@ from hjcamp.errors import UsageError, counted, unknown
 from hjcamp.model.compile.reaction import with_reactions
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.declare.statement import Statement
+from hjcamp.model.files.cached import cached
 from hjcamp.model.files.user_file import is_users
 from hjcamp.model.language.amount import dimension
 from hjcamp.model.language.amount_formula import plain_functions
@@ -208,8 +211,9 @@ def check_plant(plant: type[Plant]) -> None:
         check(plant)
 
 
+@cached
 def check_users_plant(plant: type[Plant]) -> None:
-    """Refuse a plant of a user's file as `check_plant` does; those of the package are tested."""
+    """Refuse a plant of a user's file as `check_plant` does, which is done once; those of the package are tested."""
     if is_users(plant.__module__):
         check_plant(plant)
 
@@ -228,11 +232,16 @@ def other_period(plant: type[Plant], period: float) -> str:
     )
 
 
+@functools.cache
+def _code(expression: str) -> types.CodeType:
+    return compile(expression, "<plant>", "eval")
+
+
 def evaluate(plant: type[Plant], statements: tuple[Statement, ...], place: dict[str, float]) -> dict[str, Any]:
     """Return every name of the equations at one place, as plain Python computes them."""
     scope = plain_functions("") | place
     for line in statements:
-        scope["d_" + line.target if line.mark == "rate" else line.target] = eval(line.expression, scope)
+        scope["d_" + line.target if line.mark == "rate" else line.target] = eval(_code(line.expression), scope)
     return scope
 
 
@@ -242,7 +251,7 @@ def _first_not_finite(
     scope = plain_functions("") | place
     for line in statements:
         try:
-            value = float(eval(line.expression, scope))
+            value = float(eval(_code(line.expression), scope))
         except (ArithmeticError, ValueError, TypeError) as problem:
             return line, f"cannot be computed ({problem})"
         if not np.isfinite(value):
