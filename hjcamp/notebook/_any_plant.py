@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, Report
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, unknown
 
 if TYPE_CHECKING:
     from hjcamp.analyses.adding import Added
@@ -40,13 +40,39 @@ def comparison_sentences(found: Any) -> list[str]:
     return [noise_floor_note(found.analysis), *notes_on(found)]
 
 
-def comparison_drawn(found: Any) -> tuple[Any, ...]:
-    """Return what draws measurement and models where the error is largest, and what it draws."""
+def comparison_drawn(found: Any, values: Mapping[str, float] | None = None) -> tuple[Any, ...]:
+    """Return what draws measurement and models where the error is largest, and what it draws.
+
+    ``values`` of base parameters (SI) make a further model of the calibrated one. ``UsageError`` for a name that it has not.
+    """
     from hjcamp.commands.any_plant.pages import _stretch
     from hjcamp.report.pictures.prediction import draw_windows
 
     errors = {one.name: one.errors for one in (*found.models, found.calibrated)}
+    if values:
+        from hjcamp.diagnosis.results.comparison import predicted_errors
+
+        allowed = comparison_sliders(found)
+        for name in values:
+            if name not in allowed:
+                raise unknown("parameter", name, allowed, "sliders")
+        moved = found.analysis.base.fitted.candidate.with_base(values)
+        errors["with these values"] = predicted_errors(found.analysis, moved)[1]
     return draw_windows, *_stretch(found.analysis, errors, found.models[-1].errors)
+
+
+def comparison_sliders(found: Any) -> dict[str, tuple[float, float, float]]:
+    """Return for each base parameter the ends and the step of a slider about its calibrated value, SI: half of it to both sides."""
+    from hjcamp.diagnosis.residuals.simulated import ZERO
+
+    sliders = {}
+    for one in found.analysis.base.fitted.free:
+        if not one.effect and not one.name.startswith(ZERO):
+            value = one.value_in(found.analysis.base.fitted.candidate)
+            half = 0.5 * abs(value) or one.scale
+            low, high = max(value - half, one.low), min(value + half, one.high)
+            sliders[one.name] = (low, high, (high - low) / 200.0)
+    return sliders
 
 
 def comparison_page(found: Any, folder: Path) -> Path:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.errors import UsageError
+from hjcamp.notebook import _any_plant
 from hjcamp.notebook._any_plant import said_of
 from hjcamp.notebook.data import Data, Tests, data_of, progress_to
 from hjcamp.notebook.result import Picture, Result, figure_of, frame_of
@@ -53,8 +55,24 @@ class Comparison(Result):
         """Return where the error of the last model is, in words."""
         return list(said_of(self.data).comparison_sentences(self.found))
 
-    def plot(self) -> Picture:
-        """Return measurement and models over time where the error is largest."""
+    @property
+    def sliders(self) -> dict[str, tuple[float, float, float]]:
+        """For each base parameter the ends and the step of a slider about its calibrated value, SI; ``UsageError`` for the joint.
+
+        >>> ipywidgets.interact(found.plot, **found.sliders)  # doctest: +SKIP
+        """
+        return _any_plant.comparison_sliders(self._of_any_plant)
+
+    @property
+    def _of_any_plant(self) -> Any:
+        if said_of(self.data) is not _any_plant:
+            raise UsageError(f"plant {self.data.plant_name}: it is calibrated test by test and has no sliders")
+        return self.found
+
+    def plot(self, **values: float) -> Picture:
+        """Return measurement and models over time where the error is largest; base parameters' ``values`` (SI) are a further model."""
+        if values:
+            return figure_of(*_any_plant.comparison_drawn(self._of_any_plant, values))
         return figure_of(*said_of(self.data).comparison_drawn(self.found))
 
     def page(self, folder: str | Path = "compare") -> Path:

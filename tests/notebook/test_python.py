@@ -236,3 +236,18 @@ def test_a_called_package_has_the_documentation_of_its_function(name: str) -> No
         function
     )
     assert not {"sys", "types", "importlib"} & set(dir(hjcamp))
+
+
+def test_a_slider_simulates_again(stage: Path) -> None:
+    found = hjcamp.compare("logs")
+    low, high, step = found.sliders["mass"]
+    calibrated = found.found.analysis.base.fitted.candidate.base["mass"]
+    assert (low, high) == pytest.approx((0.5 * calibrated, 1.5 * calibrated)) and step == pytest.approx((high - low) / 200.0)
+    assert {"mass", "coulomb", "viscous"} <= set(found.sliders)
+    curves = {line.get_label(): line.get_ydata() for line in found.plot(mass=high).axes[0].lines}
+    same = {line.get_label(): line.get_ydata() for line in found.plot(mass=calibrated).axes[0].lines}
+    assert len(curves) == len(found.plot().axes[0].lines) + 1
+    moved, stays = (np.nanmax(np.abs(np.subtract(one["with these values"], one["calibrated here"]))) for one in (curves, same))
+    assert moved > 10.0 * stays
+    with pytest.raises(UsageError, match="did you mean 'mass'"):
+        found.plot(mas=1.0)
