@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import copy
+import functools
 import inspect
 from collections.abc import Callable, Sequence
 from types import CodeType
@@ -42,6 +43,7 @@ def has_parts(function: Function) -> bool:
     return "part" in function.__code__.co_names
 
 
+@functools.cache
 def whole_code(function: Function) -> CodeType:
     """Return the code of a function with its parts written out, in the file and the lines of the function."""
     if not has_parts(function):

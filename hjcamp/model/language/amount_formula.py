@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import math
 from collections.abc import Callable
 from typing import Any
@@ -26,6 +27,7 @@ class _Numbers(ast.NodeTransformer):
         return node
 
 
+@functools.cache
 def with_amounts(function: Callable[..., float]) -> Callable[..., Any]:
     """Return ``function`` for amounts: each of its numbers is one."""
     definition = whole_definition(function)
