@@ -133,13 +133,12 @@ def fit(
     near: Fitted | None = None,
     exact: bool = True,
     features: Array | None = None,
-    fresh: bool = False,
 ) -> Fitted:
     """Return the fit from ``start`` within its bounds; it never is worse than that. Window starts stay as they are.
 
     Slopes follow each step by a secant update (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6). They are computed afresh
     where a step gains little, and once more where it gains nothing; ``near`` lends its own, ``exact`` asks for fresh ones at
-    the end. ``features`` are those of ``start`` where they are known; with ``fresh`` the slopes of ``near`` are those of ``start``.
+    the end. ``features`` are those of ``start`` where they are known.
     """
     candidate, damping = start, 1e-3
     for one in free:
@@ -147,8 +146,7 @@ def fit(
     if features is None or candidate is not start:
         features = windows.along(candidate)
     current = whole_loss(features, candidate, free)
-    slopes, own = _lent(windows, candidate, free, features, near)
-    fresh = fresh or own
+    slopes, fresh = _lent(windows, candidate, free, features, near)
     close = fresh  # whether no step since they were computed has gained much
     for _ in range(rounds):
         if not free or not np.isfinite(current):
@@ -227,7 +225,7 @@ def settled(windows: Windows, start: Candidate, free: Sequence[Free], near: Fitt
             break
         before = found
         features = windows.move_starts(before.candidate, rounds=1)
-        found = fit(windows, before.candidate, free, near=before, features=features, fresh=True)
+        found = fit(windows, before.candidate, free, near=before, features=features)
         gained = before.loss - found.loss
         # where states go on from window to window, starts that are moved may bend the loss upwards at first
         if gained < SETTLED and (gained > -SETTLED or not windows.unseen.any()):

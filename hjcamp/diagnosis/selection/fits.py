@@ -246,11 +246,7 @@ class Fits:
         starts = [self.on_time(one) for one in starts]
         distinct = {self.acting(one): one for one in starts}
         if self.windows.layout.short or to_the_end:
-            some = self.windows.some()
-            if some.layout is not self.windows.layout and len(distinct) > FITTED_STARTS:
-                ended = [settled(self.windows.some(), one, self.free_of(one)) for one in distinct.values()]
-                ahead = sorted(ended, key=lambda one: one.loss)[:FITTED_STARTS]
-                distinct = {self.acting(one.candidate): one.candidate for one in ahead}
+            distinct = self._ahead(distinct)
             best = min((self.settled(one) for one in distinct.values()), key=lambda one: one.loss)
             plain = self.plain(best.candidate, before.candidate)
             if self.acting(plain) == self.acting(best.candidate):
@@ -262,6 +258,18 @@ class Fits:
         distinct = {self.acting(one): one for one in starts}
         tried = [fit(self.windows, one, self.free_of(one), TRIED_ROUNDS, before, exact=False) for one in distinct.values()]
         return min(tried, key=lambda one: one.loss)
+
+    def _ahead(self, starts: dict[tuple[Hashable, ...], Candidate]) -> dict[tuple[Hashable, ...], Candidate]:
+        """Return where those starts lead, by how they act, that fit some of the windows best; all where windows are few."""
+        some, ended = self.windows.some(), []
+        if some.layout is self.windows.layout:
+            return starts
+        for one in starts.values():
+            own = copy.copy(some)
+            own.move_starts(one)
+            ended.append(settled(own, one, self.free_of(one)))
+        best = sorted(ended, key=lambda one: one.loss)[:FITTED_STARTS]
+        return {self.acting(one.candidate): one.candidate for one in best}
 
     def plain(self, candidate: Candidate, before: Candidate) -> Candidate:
         """Return a candidate without the forms of contacts that were there before, and without delays of inputs.

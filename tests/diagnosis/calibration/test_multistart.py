@@ -62,3 +62,19 @@ def test_starts_that_are_better_on_some_of_the_windows_alone_are_fitted_to_all(
     whole = sum(one == len(windows.layout.time) for one in samples)
     # one look at what is stiff, unless something is fitted to all
     assert (whole > 20) == better and len(samples) > 100
+
+
+@pytest.mark.parametrize("few", [27, 111])
+def test_starts_are_fitted_to_the_end_where_they_fit_some_of_the_windows_best(
+    analysis: Analysis, monkeypatch: pytest.MonkeyPatch, few: int
+) -> None:
+    monkeypatch.setattr("hjcamp.diagnosis.residuals.windows.WINDOWS", few)
+    search, base = analysis.search, analysis.base.fitted
+    starts = [base.candidate.with_base({name: factor * base.candidate.base[name]}) for name in BASE for factor in (0.7, 1.5)]
+    ends: list[int] = []
+    to_the_end = search.settled
+    monkeypatch.setattr(search, "settled", lambda *given: ends.append(1) or to_the_end(*given))
+    best = search.best_of(starts, base, to_the_end=True)
+    assert best.loss < base.loss + 1.0
+    # of six starts two, and the best without delays
+    assert len(ends) == (3 if few < 111 else 7)
