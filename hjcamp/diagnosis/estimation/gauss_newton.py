@@ -153,8 +153,7 @@ def fit(
             break
         w = whitener(features)
         white, left = np.einsum("wfp,fg->wgp", slopes, w), features @ w
-        surprise = np.array([one.surprise(candidate) for one in free])
-        pull = np.array([one.slope for one in free])
+        surprise, pull = np.array([[one.surprise(candidate), one.slope] for one in free]).T
         curvature = np.einsum("wgp,wgq->pq", white, white) + np.diag(pull**2)
         downhill = -np.einsum("wgp,wg->p", white, left) - pull * surprise
         size = np.maximum(np.diag(curvature), 1e-12 * max(float(np.diag(curvature).max()), 1e-300))
