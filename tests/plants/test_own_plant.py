@@ -12,7 +12,7 @@ from hjcamp.effects import library_of, load_effects
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant
 from hjcamp.model.checks.plant_bench import effects_seen, identified
-from hjcamp.model.checks.plant_checks import check_plant, other_period
+from hjcamp.model.checks.plant_checks import CHECKS, check_plant, check_users_plant, other_period
 from hjcamp.model.compile.compose import Composition
 from hjcamp.model.compile.function_sources import rates_source, signals_source
 from hjcamp.model.declare.effect import Effect
@@ -371,6 +371,17 @@ def test_a_new_plant_passes_its_tests(folder: Path, capsys: pytest.CaptureFixtur
     ):
         assert cli.run(["plants", *words]) == 2
         assert told in capsys.readouterr().err
+
+
+def test_a_plant_is_checked_once_and_again_once_its_file_has_changed(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[object] = []
+    monkeypatch.setitem(CHECKS, "units", lambda plant: str(seen.append(plant)))
+    path = folder / "plants" / "axis.py"
+    for text, checked in ((path.read_text(), 1), (path.read_text() + "\n# another mass\n", 2)):
+        path.write_text(text)
+        for _ in range(2):
+            check_users_plant(find_plant("axis"))
+        assert len(seen) == checked
 
 
 def test_two_plants_of_one_name_are_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
