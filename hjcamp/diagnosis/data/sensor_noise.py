@@ -29,7 +29,7 @@ def noise_of(values: Array, step: float | None = None) -> float:
     """
     step = step_of(values) if step is None else step
     least = LEAST * float(np.std(values)) + 1e-300
-    thirds = white_noise(values)
+    thirds = white_noise(values, step)
     quiet, error = _quietest_band(values)
     white = quiet if quiet * (1.0 + BEYOND_CHANCE * error) < thirds else thirds
     return max(step / math.sqrt(12.0), white, least)

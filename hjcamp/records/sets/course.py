@@ -65,7 +65,9 @@ class Course:
     def smallest(self) -> dict[str, float]:
         """The standard deviation that rounding and noise give each column."""
         return {
-            name: max(self.steps[name] / math.sqrt(12.0), white_noise(values), ROUNDING * float(np.std(values)))
+            name: max(
+                self.steps[name] / math.sqrt(12.0), white_noise(values, self.steps[name]), ROUNDING * float(np.std(values))
+            )
             for name, values in self.columns.items()
         }
 
