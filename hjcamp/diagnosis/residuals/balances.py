@@ -24,7 +24,7 @@ from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.residuals.initial_states import best_sensors, estimated, on_sensors, rate_of, shown_by
 from hjcamp.diagnosis.residuals.kernels import Kernels
-from hjcamp.diagnosis.residuals.simulated import Predicted
+from hjcamp.diagnosis.residuals.simulated import ZERO, Predicted
 from hjcamp.diagnosis.residuals.weak_form import ORDERS, slides, test_functions
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
@@ -89,21 +89,37 @@ class Balances:
         found.balanced = tuple(found._able(base, seen))
         if not found.balanced:
             return None
-        drawn = found._drawn(base, predicted, DRAWS)
+        shown = predicted._replace(readings=predicted.readings - found._zeros(base))
+        drawn = found._drawn(base, shown, DRAWS)
         noise = np.std(drawn, axis=0, ddof=1)
         usual = [np.median(column[mask]) if mask.any() else 1.0 for column, mask in zip(noise.T, (noise > 0.0).T, strict=True)]
         found.scale = np.maximum(usual, 1e-300)
-        found.further = np.mean(drawn, axis=0) - np.mean(drawn[:2], axis=0)
+        found.further = np.mean(drawn, axis=0) - np.mean(found._drawn(base, shown, 2, counted=False), axis=0)
         found.usual = found.usual_of(base, predicted)
         return found
 
     def features(self, candidate: Candidate, predicted: Predicted | None = None, usual: Usual | None = None) -> Array:
         """Return the balances (windows, features) less what they are where nothing is missing, in units of their noise."""
         usual = usual or self.usual
-        raw = self._raw(candidate, self.states) - usual.estimated
+        raw = self._raw(candidate, self._measured(candidate)) - usual.estimated
         if predicted:
             raw = raw - self._of_sensors(candidate, predicted) - self._of_memory(candidate, predicted, usual)
         return np.asarray(raw / self.scale)
+
+    def _zeros(self, candidate: Candidate) -> Array:
+        """Return where counters begin to count (sensors,) in a candidate, SI."""
+        return np.array([candidate.base.get(ZERO + one.field, 0.0) for one in self.layout.measured.sensors])
+
+    def _measured(self, candidate: Candidate) -> Array:
+        """Return the measured states (n, states) of a candidate: counters that show them begin where it has their zeros."""
+        zeros = self._zeros(candidate)
+        plant: Any = self.layout.measured.plant
+        if not zeros.any():
+            return self.states
+        states = self.states.copy()
+        for of, k in best_sensors(self.layout.measured).items():
+            states[:, list(plant.states).index(of)] -= zeros[k] / shown_by(plant, self.layout.measured.sensors[k].field)[1]
+        return states
 
     def usual_of(self, candidate: Candidate, predicted: Predicted) -> Usual:
         """Return what the balances of a model are where it is true, by what it predicts.
@@ -113,7 +129,8 @@ class Balances:
         known of it there.
         """
         plain = candidate.without(self._erring(candidate))
-        drawn = np.mean(self._drawn(plain, predicted, 2), axis=0) + self.further
+        predicted = predicted._replace(readings=predicted.readings - self._zeros(candidate))
+        drawn = np.mean(self._drawn(plain, predicted, 2, counted=False), axis=0) + self.further
         states = np.where(np.isfinite(predicted.states), predicted.states, self.states)
         simulated = self._raw(plain, states, predicted.ends)
         if len(plain.effects) < len(candidate.effects):
@@ -194,6 +211,7 @@ class Balances:
             return 0.0
         plain = candidate.without(names)
         right = self._along(plain, predicted.states)
+        predicted = predicted._replace(readings=predicted.readings - self._zeros(candidate))
         return self._raw(plain, self._shown(predicted, right)) - self._of_rates(right, predicted.states)
 
     def _shown(self, predicted: Predicted, right: Along) -> Array:
@@ -283,11 +301,11 @@ class Balances:
             found[one.name] = np.stack([test_functions(row) for row in use])
         return found
 
-    def _drawn(self, model: Candidate, predicted: Predicted, draws: int) -> list[Array]:
+    def _drawn(self, model: Candidate, predicted: Predicted, draws: int, counted: bool = True) -> list[Array]:
         """Return a model's balances (windows, features) of predicted readings with draws of the sensors' noise.
 
-        They are counted as the sensors count, and go through the same chain (indirect inference: Gourieroux, Monfort & Renault 1993,
-        doi:10.1002/jae.3950080507).
+        They are ``counted`` as the sensors count (what that makes of a few draws does not cancel), and go through the same chain
+        (indirect inference: Gourieroux, Monfort & Renault 1993, doi:10.1002/jae.3950080507).
         """
         layout, generator, drawn = self.layout, np.random.default_rng(1), []
         measured, states = layout.measured, np.where(np.isfinite(predicted.states), predicted.states, self.states)
@@ -299,8 +317,9 @@ class Balances:
             # with both signs: what is linear in the noise cancels in the mean, whatever was drawn for which test
             for sign in (1.0, -1.0):
                 noisy = [path + sign * error for path, error in zip(paths, errors, strict=True)]
-                counted = [_counted(one, measured.steps, sign * phase) for one, phase in zip(noisy, phases, strict=True)]
-                tests = [replace(test, readings=one) for test, one in zip(measured.tests, counted, strict=True)]
+                if counted:
+                    noisy = [_counted(one, measured.steps, sign * phase) for one, phase in zip(noisy, phases, strict=True)]
+                tests = [replace(test, readings=one) for test, one in zip(measured.tests, noisy, strict=True)]
                 seen = _known(layout, measured.with_tests(tests))
                 drawn.append(self._raw(model, np.where(np.isfinite(seen), seen, states)))
         return drawn
