@@ -80,9 +80,10 @@ def linearise(side, limits, p, plan, space):  # type: ignore[no-untyped-def]
         kept = moved[at]
         step = 1e-3 * TYPICAL[at]
         moved[at] = kept + step
-        rates(limits, 0.0, direction, moved, u, p, high)
+        # as a type of its own: for a literal 0, where nothing limits, `rates` would be compiled once more
+        rates(np.int64(limits), 0.0, direction, moved, u, p, high)
         moved[at] = kept - step
-        rates(limits, 0.0, direction, moved, u, p, low)
+        rates(np.int64(limits), 0.0, direction, moved, u, p, low)
         moved[at] = kept
         for i in range(m):
             space[JACOBIAN, i * w + j] = (high[plan[STATES + i]] - low[plan[STATES + i]]) / (2.0 * step)
