@@ -143,8 +143,7 @@ class Balances:
         """Return whether a window ends or begins far from where its neighbour does (windows,), in units of what is known of states."""
         first = predicted.states[:: self.layout.width]
         seams = np.flatnonzero(self.layout.goes_on & self.layout.begun)
-        error = estimated(self.layout.measured)[1]
-        jump = np.abs(first[seams] - predicted.ends[seams - 1]) / error
+        jump = np.abs(first[seams] - predicted.ends[seams - 1]) / self._errors
         far = seams[np.any(jump > TORN, axis=1)]
         found = np.zeros(len(first), dtype=bool)
         found[far] = found[far - 1] = True
@@ -189,6 +188,11 @@ class Balances:
             for into, own in zip(whole, part, strict=True):
                 into[rows] = own
         return whole
+
+    @cached_property
+    def _errors(self) -> Array:
+        """The standard deviation of each measured state (states,), SI."""
+        return estimated(self.layout.measured)[1]
 
     @cached_property
     def _direction(self) -> Array:
