@@ -40,10 +40,15 @@ def comparison_sentences(found: Any) -> list[str]:
     return [noise_floor_note(found.analysis), *notes_on(found)]
 
 
-def comparison_drawn(found: Any, values: Mapping[str, float] | None = None) -> tuple[Any, ...]:
-    """Return what draws measurement and models where the error is largest, and what it draws.
+def comparison_drawn(found: Any) -> tuple[Any, ...]:
+    """Return what draws measurement and models where the error is largest, and what it draws."""
+    return comparison_moved(found, {})
 
-    ``values`` of base parameters (SI) make a further model of the calibrated one. ``UsageError`` for a name that it has not.
+
+def comparison_moved(found: Any, values: Mapping[str, float]) -> tuple[Any, ...]:
+    """Return the same with a further model: the calibrated one with ``values`` of base parameters (SI), where there are any.
+
+    ``UsageError`` for a name that it has not.
     """
     from hjcamp.commands.any_plant.pages import _stretch
     from hjcamp.report.pictures.prediction import draw_windows

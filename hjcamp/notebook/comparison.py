@@ -72,7 +72,7 @@ class Comparison(Result):
     def plot(self, **values: float) -> Picture:
         """Return measurement and models over time where the error is largest; base parameters' ``values`` (SI) are a further model."""
         if values:
-            return figure_of(*_any_plant.comparison_drawn(self._of_any_plant, values))
+            return figure_of(*_any_plant.comparison_moved(self._of_any_plant, values))
         return figure_of(*said_of(self.data).comparison_drawn(self.found))
 
     def page(self, folder: str | Path = "compare") -> Path:
