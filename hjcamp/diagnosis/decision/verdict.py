@@ -24,6 +24,7 @@ from hjcamp.diagnosis.levels import ALPHA, DELTA, MOST_OF_IT
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.diagnosis.validation.blocks import advantages, chance_of_t, discrimination, ratio_t
 from hjcamp.errors import plain
+from hjcamp.model.declare.candidate import Candidate
 
 Array = NDArray[np.float64]
 # Looks at what no law explains share a tenth of the level each; an error so many times repeatability (rms) is not nothing.
@@ -281,9 +282,16 @@ def _without_law(analysis: Analysis, found: Verdict) -> Verdict:
 
 
 def _held(analysis: Analysis, model: Scored) -> str:
-    """Return in words which base parameter a bound keeps away from what is declared, in the base and in a model; else nothing."""
-    stands = {one.name for one in model.fitted.free if not one.effect and one.bounded(model.fitted.candidate)}
-    name = next((one for one in analysis.held if one in stands), "")
+    """Return in words which base parameter a bound keeps away from what is declared; else nothing.
+
+    It does in the base, and in a model that is nearer to that bound than to what is declared.
+    """
+    if not analysis.held:
+        return ""
+    now, base, declared = model.fitted.candidate, analysis.base.fitted.candidate, Candidate(analysis.search.declared, {})
+    own = [one for one in model.fitted.free if not one.effect and one.name in analysis.held]
+    near = {one.name for one in own if abs(one.of(now) - one.of(base)) < abs(one.of(now) - one.of(declared))}
+    name = next((one for one in analysis.held if one in near), "")
     if not name:
         return ""
     return (
