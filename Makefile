@@ -55,7 +55,7 @@ say-setup:
 say-demo:
 	@echo "make demo: hjcamp and its packages into $(VENV) where they are not, then 56 simulated tests, their tables and a page; a minute on two cores"
 say-test:
-	@echo "make test: what tests need into $(VENV) where it is not, then ruff, mypy, layers and every test but the long ones; ten minutes on two cores, fifteen where no kernel is compiled yet"
+	@echo "make test: what tests need into $(VENV) where it is not, then ruff, mypy, layers and every test but the long ones; ten minutes, or fifteen where no kernel is compiled yet, on two cores"
 
 setup: say-setup $(WARM)
 
