@@ -132,10 +132,10 @@ class Balances:
         predicted = predicted._replace(readings=predicted.readings - self._zeros(candidate))
         drawn = np.mean(self._drawn(plain, predicted, 2, counted=False), axis=0) + self.further
         states = np.where(np.isfinite(predicted.states), predicted.states, self.states)
-        simulated = self._raw(plain, states, predicted.ends)
-        if len(plain.effects) < len(candidate.effects):
-            states = self._shown(predicted, self._along(plain, predicted.states))
-        of_chain = drawn - self._raw(plain, states)
+        rates = self._along(plain, states)
+        simulated = self._of_rates(rates, states, predicted.ends)
+        errs = len(plain.effects) < len(candidate.effects)
+        of_chain = drawn - (self._raw(plain, self._shown(predicted, rates)) if errs else self._of_rates(rates, states))
         of_chain[self._torn(predicted)] = 0.0
         return Usual(simulated + of_chain, simulated)
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from hjcamp.diagnosis.candidates.equivalence import is_lag, kind_of, replaces
 from hjcamp.diagnosis.candidates.nonparametric_terms import Unknown
 from hjcamp.diagnosis.candidates.visited_range import Range, largest_commands, visited_shapes
-from hjcamp.diagnosis.estimation.gauss_newton import TURNS, Fitted, Free, fit, settled
+from hjcamp.diagnosis.estimation.gauss_newton import Fitted, Free, fit, settled
 from hjcamp.diagnosis.estimation.likelihood import loss, size
 from hjcamp.diagnosis.levels import FITTED_STARTS, TRIED_ROUNDS, TRIED_STARTS
 from hjcamp.diagnosis.residuals.windows import Place, Windows
@@ -152,17 +152,6 @@ class Fits:
         if self.first is not None and self.declared.items() <= start.base.items():
             return self.windows.begun_for(start, self.first)
         return copy.copy(self.windows)
-
-    def to_the_end(self, model: Scored) -> Scored:
-        """Return a model fitted on with its windows' starts moved along, a few times while it leaves less of blocks left out."""
-        for _ in range(TURNS):
-            own = copy.copy(self.windows)
-            own.place = model.place
-            found = self.scored(settled(own, model.fitted.candidate, model.fitted.free, model.fitted), own)
-            if not found.left_out < model.left_out:
-                break
-            model = found
-        return model
 
     def probed_model(self, fitted: Fitted) -> ProbedModel:
         """Return the model in addition to which effects are probed, made once for each fit."""
