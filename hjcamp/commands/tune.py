@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -60,6 +61,9 @@ def tune(
             raise UsageError("--step and --time-ms are of a step test: leave the campaign out, or them")
         cases = tune_campaign(lines, name, start, replace, config_dir, make_console())
     elif plant := _other_plant(lines):
+        for option, value in (("--step", step), ("--time-ms", time_ms)):
+            if value is not None and not (math.isfinite(value) and value):
+                raise UsageError(f"{option} {value:g}: a finite number other than 0 is needed")
         if name is not None:
             free_place(name, replace)
         cases = [tune_by_step(lines, plant, name, step or 0.0, 1e-3 * (time_ms or 0.0), replace, config_dir, make_console())]

@@ -104,6 +104,9 @@ def test_gains_are_kept_and_close_the_loop_of_a_run(carriage: None, capsys: pyte
     ("words", "said"),
     [
         (["plant=carriage", "--step", "0.1"], "a step of 'voltage' to 0.1 (V) moves nothing; give a larger --step"),
+        (["plant=carriage", "--step", "nan"], "--step nan: a finite number other than 0 is needed"),
+        (["plant=carriage", "--step", "0"], "--step 0: a finite number other than 0 is needed"),
+        (["plant=carriage", "--time-ms", "inf"], "--time-ms inf: a finite number other than 0 is needed"),
         (["plant=carriage", "controller=given"], "a step test gives the gains of a PID: controller=plain_pid"),
         (["plant=carrage"], "did you mean 'carriage'"),
         (["plant=valve_joint"], "say which with controller.input=NAME"),
