@@ -1,5 +1,5 @@
-"""The commands: one file each. A file ``NAME.py`` with ``register(app)``, here or in the folder ``commands`` of a plant that
-comes along, is the command ``hjcamp NAME``.
+"""The commands: one file each. A file ``NAME.py`` with ``register(app)``, in a folder of ``GROUPS`` or in the folder ``commands``
+of a plant that comes along, is the command ``hjcamp NAME``.
 
 The first line of its docstring is its line in ``hjcamp --help``; the file itself is imported only when it is called.
 A trailing underscore is not part of the name (``import_.py``).
@@ -22,7 +22,9 @@ from typer.core import TyperCommand, TyperGroup
 from hjcamp.errors import unknown
 
 PACKAGE = Path(__file__).parents[1]
-FOLDERS = (PACKAGE / "commands", *sorted(PACKAGE.glob("plants/*/commands")))
+#: The folders here that hold commands; the others hold what commands share.
+GROUPS = ("campaigns", "diagnosing", "logs", "models", "runs", "setup")
+FOLDERS = (*(PACKAGE / "commands" / group for group in GROUPS), *sorted(PACKAGE.glob("plants/*/commands")))
 #: A shell that asks for completions sets it.
 COMPLETING = "_HJCAMP_COMPLETE"
 

@@ -82,7 +82,7 @@ class OneEffect(Result):
 
     def plot(self, *overrides: str) -> Picture:
         """Return one test without and with the effect; ``overrides`` choose another test."""
-        from hjcamp.commands.effects import is_pictured
+        from hjcamp.commands.models.effects import is_pictured
         from hjcamp.errors import UsageError
         from hjcamp.known_plants import plant_called
 
@@ -119,7 +119,7 @@ class OnePlant(Result):
     @property
     def frame(self) -> pl.DataFrame:
         """One row for each declared quantity: kind, name, unit, value, meaning."""
-        from hjcamp.commands.plants import declared_rows
+        from hjcamp.commands.models.plants import declared_rows
 
         return frame_of(declared_rows(self.plant), ("kind", "name", "unit", "value", "meaning"))
 
@@ -212,6 +212,6 @@ def new_effect(name: str, plant: str = "", on: str = "") -> Path:
     >>> hjcamp.new_effect("cable", on="body").as_posix()
     'effects/cable.py'
     """
-    from hjcamp.commands.effects import new_effect_file
+    from hjcamp.commands.models.effects import new_effect_file
 
     return new_effect_file(name, plant, on)

@@ -195,7 +195,7 @@ def import_logs(files: str | Path | Sequence[str | Path], map: str | Path, into:
     >>> hjcamp.import_logs("train.csv", map="map.yaml", into="imported").title
     '1 tests, 1 conditions, plant stage'
     """
-    from hjcamp.commands.import_ import targets_of
+    from hjcamp.commands.logs.import_ import targets_of
     from hjcamp.records.elsewhere.importing import import_files
 
     sources = [Path(one) for one in ([files] if isinstance(files, str | Path) else files)]

@@ -11,7 +11,7 @@ from hjcamp.campaign.files.run_folder import folder_for
 from hjcamp.campaign.plan.planning import make_plan
 from hjcamp.campaign.runs.finding import find_runs
 from hjcamp.campaign.runs.listing import in_order, rows_of
-from hjcamp.commands.ls import ls
+from hjcamp.commands.runs.ls import ls
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 

@@ -12,7 +12,7 @@ import yaml
 from scipy.integrate import solve_ivp
 
 from hjcamp import cli
-from hjcamp.commands.plan import compose_plan
+from hjcamp.commands.campaigns.plan import compose_plan
 from hjcamp.model.declare.plant import Plant
 
 PROBE = """name: probe

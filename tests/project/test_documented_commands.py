@@ -15,7 +15,7 @@ import pytest
 
 from hjcamp import cli
 from hjcamp.commands import command_files, load
-from hjcamp.commands.run import SWITCHES
+from hjcamp.commands.campaigns.run import SWITCHES
 
 ROOT = Path(__file__).parents[2]
 PAGES = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}

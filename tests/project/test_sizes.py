@@ -23,7 +23,6 @@ LONG_FUNCTIONS = {
 }
 LONG_FILES: dict[str, str] = {}
 FULL_FOLDERS = {
-    "hjcamp/commands": "one file for each command",
     "hjcamp/effects": "one file for each effect",
     "hjcamp/plants/pump_joint/answers": GOES,
     "tests/truth": "machines that share no code with the program, compiled and cached as one",

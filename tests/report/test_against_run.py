@@ -12,8 +12,8 @@ from report_samples import make_log, make_logs
 from scipy.special import stdtr
 from scipy.stats import ttest_ind
 
-from hjcamp.commands.diff import diff
-from hjcamp.commands.report import report
+from hjcamp.commands.runs.diff import diff
+from hjcamp.commands.runs.report import report
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.records.log import TestLog
 from hjcamp.records.write import write_log

@@ -12,7 +12,7 @@ import pytest
 import yaml
 from report_samples import make_logs, make_plan, write_plan
 
-from hjcamp.commands.report import report
+from hjcamp.commands.runs.report import report
 from hjcamp.errors import HjcampError, UsageError
 from hjcamp.records.write import write_log
 from hjcamp.report.build import build_report

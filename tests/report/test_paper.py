@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from report_samples import make_log
 
-from hjcamp.commands.paper import paper
+from hjcamp.commands.runs.paper import paper
 from hjcamp.effects import load_effects
 from hjcamp.errors import UsageError
 from hjcamp.records.write import write_log

@@ -11,7 +11,7 @@ from hunted import Script, contents, course, hunt, hunted, said
 from lab_of_rigs import RIG
 
 from hjcamp.campaign import conclude, runner
-from hjcamp.commands import hunt as command
+from hjcamp.commands.diagnosing import hunt as command
 from hjcamp.commands.hunting import any_plant, record, turns
 from hjcamp.commands.hunting.budget import seconds_of
 from hjcamp.errors import UsageError

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import hjcamp.backends
-from hjcamp.commands import run
+from hjcamp.commands.campaigns import run
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import polars as pl
 import pytest
 from report_samples import make_logs
 
-from hjcamp.commands.report import of_repetition
+from hjcamp.commands.runs.report import of_repetition
 from hjcamp.errors import UsageError
 from hjcamp.plants.pump_joint.published import refitted
 from hjcamp.records.write import write_log

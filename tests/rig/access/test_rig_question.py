@@ -8,7 +8,7 @@ import pytest
 import typer
 
 from hjcamp import cli
-from hjcamp.commands import rig as commands
+from hjcamp.commands.setup import rig as commands
 from hjcamp.plants.pump_joint.rig.check import Finding, check_rig
 from hjcamp.plants.pump_joint.virtual_rig.device import VirtualDevice
 

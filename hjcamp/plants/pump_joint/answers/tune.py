@@ -66,7 +66,7 @@ def tune_campaign(
 ) -> list[dict[str, Any]]:
     """Tune the gains of every case of a campaign and save them."""
     from hjcamp.campaign.tuning.gains_file import free_place, write_gains
-    from hjcamp.commands.tune import cases_of, told_of
+    from hjcamp.commands.campaigns.tune import cases_of, told_of
     from hjcamp.configuration.check import check_configuration
     from hjcamp.configuration.composer import Composer
     from hjcamp.plants.pump_joint.studies.retune import FACTOR, gains_of

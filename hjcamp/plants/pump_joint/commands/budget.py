@@ -35,7 +35,7 @@ def budget(
     from hjcamp.analyses.diagnosing import check_seed
     from hjcamp.campaign.execution.compiling import Doing, kernels_of, status
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.plan import compose_plan
+    from hjcamp.commands.campaigns.plan import compose_plan
     from hjcamp.commands.shared.session import check_answer_file, check_picture, write_answer
     from hjcamp.plants.pump_joint.figures.budget import draw_budget
     from hjcamp.plants.pump_joint.studies.budget import budget as work

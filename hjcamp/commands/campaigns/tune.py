@@ -140,7 +140,7 @@ def tune_campaign(
     lines: list[str], name: str | None, start: str, replace: bool, config_dir: Path | None, console: Console
 ) -> list[dict[str, Any]]:
     """Tune the gains of every case of a campaign and save them."""
-    from hjcamp.commands.plan import compose_plan
+    from hjcamp.commands.campaigns.plan import compose_plan
     from hjcamp.known_plants import plant_of
 
     plan = compose_plan(lines, config_dir)

@@ -25,7 +25,7 @@ def show(run: Annotated[Path, typer.Argument(help="The run folder.")], json: Ans
     from hjcamp.campaign.execution.console import bold, make_console
     from hjcamp.campaign.files.run_folder import open_folder
     from hjcamp.campaign.runs.finding import FoundRun
-    from hjcamp.commands.plan import common_choices
+    from hjcamp.commands.campaigns.plan import common_choices
     from hjcamp.commands.shared.answers import run_answer
     from hjcamp.commands.shared.session import check_answer_file, write_answer
 

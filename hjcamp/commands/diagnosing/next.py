@@ -61,7 +61,7 @@ def next_(
     folder_for("next", logs, json)  # a link in its place is refused before anything is computed
     (plant.room_of("next") or calls).propose(logs, words or [], rivals or [], tests, asked, name, json)
     if signals is not None:
-        from hjcamp.commands.plan import compose_plan, tell_signals
+        from hjcamp.commands.campaigns.plan import compose_plan, tell_signals
 
         if not path.is_file():
             raise UsageError(f"--signals {signals}: no campaign was written, as these tests are no course of one input")

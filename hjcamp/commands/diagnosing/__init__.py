@@ -1,0 +1,1 @@
+"""Models against measured tests: compare, diagnose, propose tests, add what is missing, calibrate."""

@@ -1,0 +1,1 @@
+"""Test logs: brought in from elsewhere, looked at, judged fit for a diagnosis."""

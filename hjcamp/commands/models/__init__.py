@@ -1,0 +1,1 @@
+"""What can be modelled: plants, effects, their words, and a model as one file."""

@@ -1,0 +1,1 @@
+"""Find runs, look at them, hold them against others, take them along."""

@@ -1,0 +1,1 @@
+"""What is there before a campaign: the installation, rigs, files that are written by hand."""
