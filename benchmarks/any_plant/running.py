@@ -18,13 +18,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from truth.axis_case import write_axis_case
-from truth.axis_hidden import FORMS as AXIS_FORMS
+from truth.axis.case import write_axis_case
+from truth.axis.hidden import FORMS as AXIS_FORMS
 from truth.hidden_form import NOTHING, Form
-from truth.servo_case import write_pendulum_case, write_servo_case
-from truth.servo_hidden import ROPE_FORMS, SERVO_FORMS
-from truth.tanks_case import write_tanks_case
-from truth.tanks_hidden import FORMS as TANKS_FORMS
+from truth.servo.case import write_pendulum_case, write_servo_case
+from truth.servo.hidden import ROPE_FORMS, SERVO_FORMS
+from truth.tanks.case import write_tanks_case
+from truth.tanks.hidden import FORMS as TANKS_FORMS
 
 from benchmarks import ROOT
 from benchmarks.any_plant.judging import outcome, page

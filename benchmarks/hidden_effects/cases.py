@@ -8,9 +8,9 @@ from typing import Any
 from zlib import crc32
 
 from numpy.random import default_rng
-from truth.case import CONTACTS
-from truth.hidden import LIBRARY_NAMES, OUTSIDE_NAMES, STRENGTHS
-from truth.hidden_law import chosen_law
+from truth.pump_joint.case import CONTACTS
+from truth.pump_joint.hidden import LIBRARY_NAMES, OUTSIDE_NAMES, STRENGTHS
+from truth.pump_joint.hidden_law import chosen_law
 
 # Results of another plan are never taken for results of this one: 1 had one contact and one law of each effect, 2 other second
 # laws of the sensors, 3 an orifice in the line.

@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from truth.case import Case, build_case
-from truth.plant import JOINT_AREA, Plant
-from truth.visibility import CHANNELS, scaled_change, simulate_means
+from truth.pump_joint.case import Case, build_case
+from truth.pump_joint.plant import JOINT_AREA, Plant
+from truth.pump_joint.visibility import CHANNELS, scaled_change, simulate_means
 
 from benchmarks.hidden_effects.cases import HiddenCase
 

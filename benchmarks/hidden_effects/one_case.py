@@ -12,7 +12,7 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-from truth.case import write_case
+from truth.pump_joint.case import write_case
 
 from benchmarks.hidden_effects.cases import PLAN, HiddenCase
 from benchmarks.hidden_effects.detectable import visibility

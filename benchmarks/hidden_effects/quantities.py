@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
-from truth.case import CONTACTS
+from truth.pump_joint.case import CONTACTS
 
 from benchmarks.hidden_effects.amplitudes import AMPLITUDES, amplitude_of, true_base
 from benchmarks.hidden_effects.judging import Line, named, right

@@ -6,8 +6,8 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from truth.case import CONTACTS
-from truth.hidden_law import LAWS
+from truth.pump_joint.case import CONTACTS
+from truth.pump_joint.hidden_law import LAWS
 
 from benchmarks.hidden_effects.amplitudes import AMPLITUDES, LEFT_OUT, amplitude_of
 from benchmarks.hidden_effects.cases import LIBRARY_NAMES, OUTSIDE_NAMES, STRENGTHS

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from truth.case import Case, build_case, simulate_test
-from truth.menu import Condition, cycloids, points, sine
+from truth.pump_joint.case import Case, build_case, simulate_test
+from truth.pump_joint.menu import Condition, cycloids, points, sine
 
 from benchmarks.hidden_effects.cases import TAKEN_OUT
 
@@ -24,7 +24,7 @@ TESTS = 5
 LAST = 4
 INDICATORS = ("rmse1_deg", "rmse2_deg", "e_max_deg", "sse_deg")
 PRELOADS_MPA = (0.35, 0.5)
-#: What every line says of the bench: its integral sums the products (`tests/truth/controller.py`).
+#: What every line says of the bench: its integral sums the products (`tests/truth/pump_joint/controller.py`).
 BENCH = {"controller": "pid", "controller.bumpless": "1.0"}
 #: The seven trajectories of thesis 5.2.5 as its figures show them: shape of amplitude 1, amplitude in deg.
 TRAJECTORIES = {

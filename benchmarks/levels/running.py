@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from itertools import cycle, product
 from pathlib import Path
 
-from truth.hidden import LIBRARY_NAMES, OUTSIDE_NAMES
+from truth.pump_joint.hidden import LIBRARY_NAMES, OUTSIDE_NAMES
 
 from benchmarks.hidden_effects.cases import HiddenCase
 from benchmarks.hidden_effects.ledger import Ledger, code_version

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from truth.hidden import LIBRARY_NAMES
+from truth.pump_joint.hidden import LIBRARY_NAMES
 
 from benchmarks.hidden_effects.amplitudes import AMPLITUDES, amplitude_of, true_base
 from hjcamp.plants.pump_joint.diagnosis.levels import CHANNELS, GAIN

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from truth.case import build_case, simulate_test
-from truth.menu import Condition, asked, sine
-from truth.simulate import COLUMNS
+from truth.pump_joint.case import build_case, simulate_test
+from truth.pump_joint.menu import Condition, asked, sine
+from truth.pump_joint.simulate import COLUMNS
 
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.plants.pump_joint.diagnosis.design.menu import Choice

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from truth.case import write_case
-from truth.servo_case import write_servo_case
-from truth.tanks_case import write_tanks_case
+from truth.pump_joint.case import write_case
+from truth.servo.case import write_servo_case
+from truth.tanks.case import write_tanks_case
 
 from benchmarks.any_plant import running as any_plant
 from benchmarks.foreign_machines import accumulator, heater, hysteretic, inductor, oven, shaft

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from truth.case import write_case
+from truth.pump_joint.case import write_case
 
 from hjcamp.plants.pump_joint.tour.samples import SAMPLES, SEALED, pack, seal
 from hjcamp.plants.pump_joint.tour.spindle import SPINDLE

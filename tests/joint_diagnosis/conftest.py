@@ -12,7 +12,7 @@ import hjcamp.effects
 from hjcamp import cli
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from truth.case import write_case
+from truth.pump_joint.case import write_case
 
 LIBRARY = ("leakage", "pressure_offset", "stribeck_friction")
 

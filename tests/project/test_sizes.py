@@ -25,7 +25,6 @@ LONG_FILES: dict[str, str] = {}
 FULL_FOLDERS = {
     "hjcamp/effects": "one file for each effect",
     "hjcamp/plants/pump_joint/answers": GOES,
-    "tests/truth": "machines that share no code with the program, compiled and cached as one",
 }
 
 

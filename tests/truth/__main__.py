@@ -6,9 +6,9 @@ from pathlib import Path
 
 import yaml
 
-from truth.case import CONTACTS, write_case
-from truth.hidden import LIBRARY_NAMES, OUTSIDE_NAMES, STRENGTHS
-from truth.menu import MENUS, Condition, asked
+from truth.pump_joint.case import CONTACTS, write_case
+from truth.pump_joint.hidden import LIBRARY_NAMES, OUTSIDE_NAMES, STRENGTHS
+from truth.pump_joint.menu import MENUS, Condition, asked
 
 
 def main(arguments: list[str] | None = None) -> int:

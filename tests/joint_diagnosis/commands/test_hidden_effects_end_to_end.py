@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from discrepancy_answers import Call, read_answer
-from truth.case import write_case
+from truth.pump_joint.case import write_case
 
 import hjcamp.effects
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from test_hidden_effects_end_to_end import RIVALS
-from truth.case import write_case
+from truth.pump_joint.case import write_case
 
 from hjcamp.effects import load_effects
 from hjcamp.model.declare.candidate import Candidate

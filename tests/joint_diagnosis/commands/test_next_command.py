@@ -8,7 +8,7 @@ import pytest
 import yaml
 from discrepancy_answers import Call, read_answer
 from truth.__main__ import read_campaign
-from truth.case import write_case
+from truth.pump_joint.case import write_case
 
 KEYS = {
     "schema", "verdict", "rivals", "tests", "together", "campaign", "campaign_file", "picture", "seconds",

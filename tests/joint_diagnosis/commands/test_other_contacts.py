@@ -9,7 +9,7 @@ import pytest
 from discrepancy_answers import Call, read_answer
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from truth.case import write_case
+from truth.pump_joint.case import write_case
 
 
 @pytest.mark.study

@@ -7,8 +7,8 @@ import math
 from typing import Any
 
 import pytest
-from truth.case import build_case, sealed_answer
-from truth.hidden import LIBRARY_NAMES
+from truth.pump_joint.case import build_case, sealed_answer
+from truth.pump_joint.hidden import LIBRARY_NAMES
 
 from benchmarks.hidden_effects.amplitudes import AMPLITUDES, LEFT_OUT, amplitude_of, true_base
 from benchmarks.hidden_effects.cases import PLAN, plan

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from test_hidden_effects_benchmark import made_up
-from truth.hidden import LIBRARY_NAMES
+from truth.pump_joint.hidden import LIBRARY_NAMES
 
 from benchmarks.hidden_effects import ledger as hidden_effects_ledger
 from benchmarks.hidden_effects import running as hidden_effects

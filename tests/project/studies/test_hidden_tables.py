@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from truth.controller import Procedure, pid_step
+from truth.pump_joint.controller import Procedure, pid_step
 
 from benchmarks.hidden_tables import running as hidden_tables
 from benchmarks.hidden_tables.cases import BENCH, TRAJECTORIES, TableCase, conditions, plan, seen, text_of

@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from truth.axis import Axis
-from truth.axis_hidden import FORMS as AXIS_FORMS
-from truth.axis_hidden import Use
+from truth.axis.hidden import FORMS as AXIS_FORMS
+from truth.axis.hidden import Use
+from truth.axis.plant import Axis
 from truth.hidden_form import Changes, Form
-from truth.servo import Swing
+from truth.servo.plant import Swing
 
 
 class Servo(NamedTuple):

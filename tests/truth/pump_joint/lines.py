@@ -5,7 +5,7 @@ import math
 from numba import njit
 
 from truth.compiled import within
-from truth.plant import ATMOSPHERE, VAPOUR, Plant
+from truth.pump_joint.plant import ATMOSPHERE, VAPOUR, Plant
 
 
 @njit

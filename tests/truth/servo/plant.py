@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from truth.axis import PROFILE_POINTS, RING, Axis, drive_volt, encoder, outside_force, strength
+from truth.axis.plant import PROFILE_POINTS, RING, Axis, drive_volt, encoder, outside_force, strength
 from truth.compiled import fingerprint_of, within
 from truth.contact import contact_step
 
@@ -145,7 +145,7 @@ def _compiled(fingerprint: int) -> Callable[..., Any]:
     return cached
 
 
-_RUN = _compiled(fingerprint_of("servo", "axis", "contact"))
+_RUN = _compiled(fingerprint_of("servo/plant", "axis/plant", "contact"))
 
 
 def run(

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from truth.axis import Axis
-from truth.axis_hidden import Use
+from truth.axis.hidden import Use
+from truth.axis.plant import Axis
 from truth.case_files import MeasuredLog, rough, write_case_files
 from truth.contact import CONTACTS
 from truth.hidden_form import Form, find_form, level_of
 from truth.moves import fluctuation
-from truth.servo import PERIOD, Swing, run
-from truth.servo_hidden import ROPE_FORMS, SERVO_FORMS, Servo
-from truth.servo_sources import ROPE, SERVO
+from truth.servo.hidden import ROPE_FORMS, SERVO_FORMS, Servo
+from truth.servo.plant import PERIOD, Swing, run
+from truth.servo.sources import ROPE, SERVO
 
 ONE_LOG_S, HELD_OUT_S, TEST_S = 24.0, 12.0, 4.0
 CONDITIONS = ("steps", "slow_sine", "fast_sine", "chirp", "creep", "release")

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from truth.tanks import PERIOD, Tanks, run
-from truth.tanks_case import build_tanks_case, simulate_tanks, write_tanks_case
-from truth.tanks_hidden import FORMS
+from truth.tanks.case import build_tanks_case, simulate_tanks, write_tanks_case
+from truth.tanks.hidden import FORMS
+from truth.tanks.plant import PERIOD, Tanks, run
 
 QUIET = Tanks(noise=0.0, count=1e-9)
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from truth.hidden import Changes
+from truth.pump_joint.hidden import Changes
 
 
 def _orifice(changes: Changes) -> Changes:

@@ -3,8 +3,8 @@
 import numpy as np
 
 from truth.compiled import within
-from truth.lines import creep_step, cross_leak, line_pressure, line_volume, outside_leak, tube_flow
-from truth.plant import Plant
+from truth.pump_joint.lines import creep_step, cross_leak, line_pressure, line_volume, outside_leak, tube_flow
+from truth.pump_joint.plant import Plant
 
 # Share of a line's compliance at the joint end, and the loss time of its wall, which damps the water column.
 JOINT_END_SHARE = 0.5

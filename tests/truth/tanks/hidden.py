@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from truth.hidden_form import Changes, Form
-from truth.tanks import Tanks
+from truth.tanks.plant import Tanks
 
 Build = Callable[[Tanks, float, np.random.Generator], Changes]
 

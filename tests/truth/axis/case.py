@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from truth.axis import Axis, run
-from truth.axis_hidden import FORMS, Use
+from truth.axis.hidden import FORMS, Use
+from truth.axis.plant import Axis, run
 from truth.case_files import MeasuredLog, rough, write_case_files
 from truth.contact import CONTACTS
 from truth.hidden_form import NOTHING, Form, find_form, level_of

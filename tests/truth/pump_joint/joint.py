@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from truth.arm import arm_load
 from truth.compiled import within
 from truth.contact import smooth_speed
-from truth.friction import (
+from truth.pump_joint.arm import arm_load
+from truth.pump_joint.friction import (
     BRISTLE_DAMPING_SPEED,
     SMOOTH_SPEED,
     YIELD_TRAVEL,
@@ -19,8 +19,8 @@ from truth.friction import (
     sharp_speed,
     surface_level,
 )
-from truth.hydraulics import JOINT_PRESSURE
-from truth.plant import JOINT_AREA, PULLEY_RADIUS, Plant
+from truth.pump_joint.hydraulics import JOINT_PRESSURE
+from truth.pump_joint.plant import JOINT_AREA, PULLEY_RADIUS, Plant
 
 # body: slider travel and speed, arm travel and speed (m, m/s at the pitch line), contact, its age, friction work
 BODY_ROWS = 7

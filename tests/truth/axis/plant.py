@@ -270,7 +270,7 @@ def _compiled(fingerprint: int) -> Callable[..., Any]:
     return cached
 
 
-_RUN = _compiled(fingerprint_of("axis", "contact"))
+_RUN = _compiled(fingerprint_of("axis/plant", "contact"))
 
 
 def run(

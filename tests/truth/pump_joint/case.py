@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from truth.controller import Procedure
-from truth.hidden import EFFECTS, LIBRARY_NAMES
-from truth.hidden_law import chosen_law, with_law
-from truth.logs import write_log
-from truth.menu import MENUS, Condition, vary
-from truth.plant import BASE_FIELDS, Plant, draw_rig
-from truth.scatter import Scatter, draw_test
-from truth.simulate import COLUMNS, run
+from truth.pump_joint.controller import Procedure
+from truth.pump_joint.hidden import EFFECTS, LIBRARY_NAMES
+from truth.pump_joint.hidden_law import chosen_law, with_law
+from truth.pump_joint.logs import write_log
+from truth.pump_joint.menu import MENUS, Condition, vary
+from truth.pump_joint.plant import BASE_FIELDS, Plant, draw_rig
+from truth.pump_joint.scatter import Scatter, draw_test
+from truth.pump_joint.simulate import COLUMNS, run
 
 # Samples that the phases before and after the command may take at most.
 OTHER_PHASES = 1600

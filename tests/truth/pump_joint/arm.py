@@ -5,7 +5,7 @@ import math
 from numba import njit
 
 from truth.compiled import within
-from truth.plant import PULLEY_RADIUS, Plant
+from truth.pump_joint.plant import PULLEY_RADIUS, Plant
 
 
 @within

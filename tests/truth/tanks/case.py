@@ -8,8 +8,8 @@ from scipy.signal import lfilter
 
 from truth.case_files import MeasuredLog, rough, write_case_files
 from truth.hidden_form import Form, find_form, level_of
-from truth.tanks import PERIOD, Tanks, run
-from truth.tanks_hidden import FORMS
+from truth.tanks.hidden import FORMS
+from truth.tanks.plant import PERIOD, Tanks, run
 
 ONE_LOG, HELD_OUT, TEST = 800, 500, 180  # samples
 CONDITIONS = ("fill", "drain", "steps", "sine", "high")

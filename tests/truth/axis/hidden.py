@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from truth.axis import LIMIT_VOLT, Axis
+from truth.axis.plant import LIMIT_VOLT, Axis
 from truth.hidden_form import Changes, Form
 
 Build = Callable[[tuple[Axis, "Use"], float, np.random.Generator], Changes]

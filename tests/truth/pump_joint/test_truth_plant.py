@@ -12,17 +12,17 @@ import pytest
 from mcap.reader import make_reader
 
 from truth.__main__ import main
-from truth.arm import disc_reading
-from truth.case import CONTACTS, Case, build_case, sealed_answer, simulate_test, write_case
-from truth.friction import asperity_step, contact_step
-from truth.hidden import LIBRARY_NAMES, OUTSIDE_NAMES
-from truth.hidden_law import LAWS, chosen_law
-from truth.lines import line_pressure, line_volume, outside_leak
-from truth.menu import STANDARD, Condition, points
-from truth.plant import JOINT_AREA, PUMP_AREA, Plant, draw_rig
-from truth.pump import servo_step
-from truth.scatter import Scatter
-from truth.simulate import COLUMNS
+from truth.pump_joint.arm import disc_reading
+from truth.pump_joint.case import CONTACTS, Case, build_case, sealed_answer, simulate_test, write_case
+from truth.pump_joint.friction import asperity_step, contact_step
+from truth.pump_joint.hidden import LIBRARY_NAMES, OUTSIDE_NAMES
+from truth.pump_joint.hidden_law import LAWS, chosen_law
+from truth.pump_joint.lines import line_pressure, line_volume, outside_leak
+from truth.pump_joint.menu import STANDARD, Condition, points
+from truth.pump_joint.plant import JOINT_AREA, PUMP_AREA, Plant, draw_rig
+from truth.pump_joint.pump import servo_step
+from truth.pump_joint.scatter import Scatter
+from truth.pump_joint.simulate import COLUMNS
 
 # nothing of the program stands on it: it makes the data of the benchmarks
 pytestmark = pytest.mark.study
@@ -274,7 +274,7 @@ def test_bad_calls_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_the_plants_import_nothing_from_the_program() -> None:
     allowed = {*sys.stdlib_module_names, "mcap", "numba", "numpy", "pytest", "scipy", "truth", "yaml"}
-    for source in Path(__file__).parent.glob("*.py"):
+    for source in Path(__file__).parents[1].rglob("*.py"):
         for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             if isinstance(node, ast.ImportFrom):

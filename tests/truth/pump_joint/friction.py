@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from truth.compiled import within
-from truth.plant import Plant
+from truth.pump_joint.plant import Plant
 
 # Four asperity groups of equal strength that yield at growing travel (relative to `bristle_travel`).
 YIELD_TRAVEL = np.array([0.25, 0.5, 1.0, 1.5])

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from truth.plant import PULLEY_RADIUS, TUBE_INERTANCE
+from truth.pump_joint.plant import PULLEY_RADIUS, TUBE_INERTANCE
 
 STRENGTHS = ("weak", "medium", "strong")
 Changes = dict[str, float]

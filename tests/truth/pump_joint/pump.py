@@ -3,7 +3,7 @@
 from numba import njit
 
 from truth.compiled import within
-from truth.plant import PUMP_AREA, Plant
+from truth.pump_joint.plant import PUMP_AREA, Plant
 
 FULL_SCALE_VOLT = 10.0
 TOP_SPEED = 0.060

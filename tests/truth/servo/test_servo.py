@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from truth.axis import Axis
-from truth.servo import PERIOD, Swing, run
-from truth.servo_case import build_servo_case, simulate_servo, write_pendulum_case, write_servo_case
-from truth.servo_hidden import ROPE_FORMS, SERVO_FORMS
+from truth.axis.plant import Axis
+from truth.servo.case import build_servo_case, simulate_servo, write_pendulum_case, write_servo_case
+from truth.servo.hidden import ROPE_FORMS, SERVO_FORMS
+from truth.servo.plant import PERIOD, Swing, run
 
 # nothing of the program stands on it: it makes the data of the benchmarks
 pytestmark = pytest.mark.study

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from truth.case import Case, build_case, simulate_test
-from truth.hidden import EFFECTS, STRENGTHS
-from truth.plant import BASE_FIELDS
-from truth.simulate import COLUMNS
+from truth.pump_joint.case import Case, build_case, simulate_test
+from truth.pump_joint.hidden import EFFECTS, STRENGTHS
+from truth.pump_joint.plant import BASE_FIELDS
+from truth.pump_joint.simulate import COLUMNS
 
 CHANNELS = ("arm_deg", "pressure1_mpa", "pressure2_mpa", "pump_deg")
 # The coarsest scatter that a channel can have: about a count of the encoders, the noise of the sensors.

@@ -1,7 +1,6 @@
 """One test of the hidden rig: fixed steps of 20 us under a 1 kHz bench controller, logged once a millisecond."""
 
 import math
-import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
@@ -10,20 +9,20 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from truth.arm import disc_reading
-from truth.compiled import within
-from truth.controller import SAMPLE, Procedure, next_phase, pid_step
-from truth.hydraulics import PUMP_PRESSURE, fill_lines, lines_step, wall_creep
-from truth.joint import BODY_ROWS, asperity_stiffness, joint_step
-from truth.plant import JOINT_AREA, PULLEY_RADIUS, PUMP_AREA, Plant
-from truth.pump import carriage_step, servo_step
+from truth.compiled import fingerprint_of, within
+from truth.pump_joint.arm import disc_reading
+from truth.pump_joint.controller import SAMPLE, Procedure, next_phase, pid_step
+from truth.pump_joint.hydraulics import PUMP_PRESSURE, fill_lines, lines_step, wall_creep
+from truth.pump_joint.joint import BODY_ROWS, asperity_stiffness, joint_step
+from truth.pump_joint.plant import JOINT_AREA, PULLEY_RADIUS, PUMP_AREA, Plant
+from truth.pump_joint.pump import carriage_step, servo_step
 
 try:
     import fcntl
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-COMPILED = ("arm", "contact", "controller", "friction", "hydraulics", "joint", "lines", "plant", "pump", "simulate")
+COMPILED = ("arm", "controller", "friction", "hydraulics", "joint", "lines", "plant", "pump", "simulate")
 SUBSTEPS = 50
 STEP = SAMPLE / SUBSTEPS
 RING = 4096
@@ -194,7 +193,6 @@ def simulate(
 
 
 def _compiled(fingerprint: int) -> Callable[..., Any]:
-    # numba's cache watches one file only; a closure over the fingerprint of all of them keeps it from going stale
     @njit(cache=True)
     def cached(plant, procedure, reference, profile, directions, noise, phases):
         rows, first = simulate(plant, procedure, reference, profile, directions, noise, phases)
@@ -203,12 +201,7 @@ def _compiled(fingerprint: int) -> Callable[..., Any]:
     return cached
 
 
-def _fingerprint() -> int:
-    folder = Path(__file__).parent
-    return zlib.crc32(b"".join((folder / f"{name}.py").read_bytes() for name in COMPILED))
-
-
-_RUN = _compiled(_fingerprint())
+_RUN = _compiled(fingerprint_of("contact", *(f"pump_joint/{name}" for name in COMPILED)))
 
 
 def run(

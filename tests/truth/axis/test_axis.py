@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from truth.axis import Axis, run
-from truth.axis_case import FIELDS, build_axis_case, simulate_axis, write_axis_case
-from truth.axis_hidden import FORMS
+from truth.axis.case import FIELDS, build_axis_case, simulate_axis, write_axis_case
+from truth.axis.hidden import FORMS
+from truth.axis.plant import Axis, run
 from truth.contact import CONTACTS, contact_step, falling
 from truth.hidden_form import find_form, level_of
 

@@ -1,0 +1,1 @@
+"""A carriage on a belt, and what can hide in it."""

@@ -1,0 +1,1 @@
+"""Two tanks in a row, and what can hide in them."""
