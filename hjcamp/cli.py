@@ -18,6 +18,7 @@ from typing import Annotated, Any
 
 import typer
 
+from hjcamp import __version__
 from hjcamp.children import keep_children_safe
 from hjcamp.commands import COMPLETING, PLAIN, Commands
 from hjcamp.commands.shared.page_end import CALL
@@ -33,8 +34,6 @@ INTERRUPTED = 130
 def show_version(asked: bool) -> None:
     """Print the version and end."""
     if asked:
-        from hjcamp import __version__
-
         print(f"hjcamp {__version__}")
         raise typer.Exit
 

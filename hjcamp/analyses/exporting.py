@@ -17,6 +17,7 @@ from hjcamp.model.compile.compose import Composition
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.export.python_file import Exported
+from hjcamp.records.plan import read_plan
 from hjcamp.storage import named_file
 from hjcamp.yaml_file import read_yaml
 
@@ -93,7 +94,6 @@ def _provenance(content: Mapping[str, Any]) -> dict[str, Any]:
 def _of_run(run: Path, condition: str) -> Exported:
     """Return the model that the tests of a run were made with; conditions that differ in it are asked for by name."""
     from hjcamp.backends.plant_simulation import model_of
-    from hjcamp.records.plan import read_plan
 
     plan = read_plan(run / "plan.json")
     names = [one.name for one in plan.conditions]

@@ -8,8 +8,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hjcamp import __version__
 from hjcamp.analyses.data import Report, silent
 from hjcamp.errors import UsageError
+from hjcamp.storage import whole_file
 
 if TYPE_CHECKING:
     from hjcamp.diagnosis.calibration.analysis import Analysis
@@ -69,9 +71,7 @@ def write_posterior(analysis: Analysis, path: Path, report: Report = silent, see
     """Write draws as netCDF that ``arviz.from_netcdf`` reads: groups posterior and sample_stats over chain and draw; return them."""
     import h5netcdf
 
-    from hjcamp import __version__
     from hjcamp.diagnosis.estimation.posterior import posterior
-    from hjcamp.storage import whole_file
 
     check_posterior(path)
     found = posterior(analysis.windows, analysis.base.fitted, analysis.search.blocks, report, seed)

@@ -14,6 +14,7 @@ from hydra.experimental.callback import Callback
 from hydra.types import RunMode
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
+from hjcamp.campaign.execution.console import make_console
 from hjcamp.campaign.one_run import make_run
 from hjcamp.campaign.plan.objective import read_objectives
 from hjcamp.campaign.plan.planning import make_plan
@@ -92,8 +93,6 @@ def job(config: DictConfig) -> float | tuple[float, ...] | str | None:
 
 def run_campaign(config: DictConfig, sweep: bool) -> float | tuple[float, ...] | str:
     """Plan, run and conclude what ``config`` asks for; returns what `job` does."""
-    from hjcamp.campaign.execution.console import make_console
-
     hydra = HydraConfig.get()
     asked = OmegaConf.to_container(config, resolve=True)
     assert isinstance(asked, dict)

@@ -20,7 +20,7 @@ from hjcamp.campaign.files.run_folder import RunFolder
 from hjcamp.cluster import threads_of
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError, counted, without_numbers
 from hjcamp.records.plan import Plan, PlannedTest
-from hjcamp.records.run_folder import refuse_links_out
+from hjcamp.records.run_folder import difference, refuse_links_out
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -199,7 +199,6 @@ def _waiting(folder: RunFolder, result: RunResult, say: Callable[[str], None]) -
 def _problem(plan: Plan, test: PlannedTest, path: Path) -> tuple[str, str] | None:
     """Return what a log is that cannot be kept, and why; None where it is the test that was planned, and whole."""
     from hjcamp.records.read import read_log
-    from hjcamp.records.run_folder import difference
 
     try:
         other = difference(plan, test, read_log(path).metadata)

@@ -25,9 +25,9 @@ from hjcamp.configuration import optuna_sweeper
 from hjcamp.configuration.search_path import campaign_folders, configuration_folders, packaged_root
 from hjcamp.configuration.trust import check_file, check_group, with_our_hydra
 from hjcamp.errors import UsageError
-from hjcamp.known_plants import OWN_PLANTS
+from hjcamp.known_plants import OWN_PLANTS, plant_names
 from hjcamp.model.files.user_folders import extension_folders
-from hjcamp.rigs import OWN_RIGS
+from hjcamp.rigs import OWN_RIGS, SHIPPED, rig_names
 from hjcamp.yaml_file import check_yaml
 
 GROUP = "campaign"
@@ -182,8 +182,6 @@ class PlantSource(_FilesOfPython):
         return "plants"
 
     def _names(self) -> list[str]:
-        from hjcamp.known_plants import plant_names
-
         return plant_names(Path(self.path))
 
     def _settings(self, name: str) -> dict[str, Any]:
@@ -203,8 +201,6 @@ class RigSource(_FilesOfPython):
         return "rigs"
 
     def _names(self) -> list[str]:
-        from hjcamp.rigs import SHIPPED, rig_names
-
         return list(SHIPPED) if Path(self.path) == OWN_RIGS else rig_names(Path(self.path))
 
     def _settings(self, name: str) -> dict[str, Any]:

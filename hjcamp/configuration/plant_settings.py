@@ -18,6 +18,7 @@ from hjcamp.model.compile.compose import Composition
 from hjcamp.model.declare.base_values import checked_base, period_of
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.files.user_file import is_users
+from hjcamp.model.language.effect_units import check_units
 from hjcamp.rigs import SHIPPED
 from hjcamp.schema import Group, between, checked
 from hjcamp.trajectories import build_trajectory
@@ -168,6 +169,4 @@ def check_values(config: Mapping[str, Any], plant: type[Plant]) -> None:
     Composition(plant, tuple(effects))
     for effect in effects:
         if is_users(effect.__module__):
-            from hjcamp.model.language.effect_units import check_units
-
             check_units(effect, plant)

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import find_plant, usual_plant
@@ -57,8 +59,6 @@ def write_content(
     path: Path, content: Mapping[str, Any], comment: Sequence[str], provenance: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Write what a model holds with its name and provenance, and return all of it; refuse a name that was taken meanwhile."""
-    import yaml
-
     from hjcamp.configuration.file_schemas import file_schema
     from hjcamp.schema import editor_line
 

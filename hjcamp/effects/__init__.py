@@ -13,6 +13,7 @@ from hjcamp.model.declare.plant import Plant
 from hjcamp.model.files.catalogue import scan
 from hjcamp.model.files.user_file import is_users
 from hjcamp.model.files.user_folders import extension_folders
+from hjcamp.model.language.effect_units import check_units
 from hjcamp.model.language.library import Library, library_for
 
 
@@ -56,8 +57,6 @@ def find_effect(name: str, plant: type[Plant] | str = DEFAULT, folders: Sequence
 
 def faults_of_own(plant: type[Plant]) -> list[str]:
     """Return a sentence for each effect of the user's that no place of a plant takes, or whose units do not agree there."""
-    from hjcamp.model.language.effect_units import check_units
-
     library = library_of(plant)
     own = {name for name, effect in effect_files().items() if is_users(effect.__module__) and effect.plant in ("", plant.name)}
     found = [f"{library.unfit[name]}: it is left out" for name in sorted(own & library.unfit.keys())]

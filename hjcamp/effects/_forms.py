@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.model.language.amount import unit_product
+
 Array = NDArray[Any]
 # What a formula may call; an effect file gets them from Python's own mathematics.
 CALLED = ("copysign", "exp", "log1p", "pow", "sin", "sqrt", "tanh")
@@ -223,7 +225,5 @@ FORMS: dict[str, Form] = {
 
 def unit_of(form: Form, name: str, y_unit: str, x_unit: str) -> str:
     """Return the unit of a parameter of a form in SI: ``N*s/m`` of the slope of a force over a velocity."""
-    from hjcamp.model.language.amount import unit_product
-
     power_y, power_x = form.parameters[name]
     return unit_product(((y_unit, power_y), (x_unit, power_x)))

@@ -11,6 +11,7 @@ from pathlib import Path
 from hjcamp.effects._begun import Begun
 from hjcamp.effects._forms import CALLED
 from hjcamp.errors import UsageError, shown
+from hjcamp.model.language.amount import dimension
 
 LONGEST_TEXT = 200
 FACTOR = r"(?:1|[A-Za-z]{1,12}(?:\^-?\d(?:\.\d)?)?)"
@@ -29,8 +30,6 @@ FORMULA = (
 
 def check_begun(begun: Begun) -> None:
     """Raise ``UsageError`` for a text that is no plain word, a unit that is none, and a name that is no name."""
-    from hjcamp.model.language.amount import dimension
-
     for unit in (begun.unit, *(one.unit for one in begun.tables)):
         if not isinstance(unit, str) or not UNIT.fullmatch(unit):
             raise UsageError(f"unknown unit {shown(unit)}; write SI units, such as m, rad, N, Pa*s/m^3, 1")

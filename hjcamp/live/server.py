@@ -18,6 +18,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from hjcamp.live.messages import received
 from hjcamp.live.state import Seen, State
 
@@ -157,8 +159,6 @@ class LogReader(threading.Thread):
                 time.sleep(0.0 if self._closed else BETWEEN_LOGS_S)
 
     def _show(self, head: dict[str, Any], path: Path) -> None:
-        import numpy as np
-
         from hjcamp.records.of_plant import period_of
         from hjcamp.records.read import read_log
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, Report
+from hjcamp.analyses.diagnosing import diagnose_plant
 from hjcamp.errors import UsageError, unknown
 
 if TYPE_CHECKING:
@@ -89,7 +90,6 @@ def comparison_page(found: Any, folder: Path) -> Path:
 
 def diagnosed(data: Data, asked: Asked, report: Report) -> tuple[Any, dict[str, Any]]:
     """Return the words of a diagnosis, and the answer for programs."""
-    from hjcamp.analyses.diagnosing import diagnose_plant
     from hjcamp.commands.any_plant.verdict_words import Words
 
     done = diagnose_plant(data, asked, report)

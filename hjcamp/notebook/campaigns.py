@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.errors import UsageError, counted, shown
+from hjcamp.errors import UsageError, counted, shown, unknown
 from hjcamp.notebook.data import Data, load
 from hjcamp.notebook.result import Picture, Result, frame_of, quiet
 
@@ -88,7 +88,6 @@ class Run(Result):
 
     def plot(self, indicator: str = "rmse1_deg") -> Picture:
         """Return an indicator of every test by condition."""
-        from hjcamp.errors import unknown
         from hjcamp.report.pictures.conditions import BLUE
         from hjcamp.report.pictures.drawing import dress
 

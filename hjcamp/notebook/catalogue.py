@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjcamp.errors import counted
-from hjcamp.known_plants import DEFAULT
+from hjcamp.errors import UsageError, counted
+from hjcamp.known_plants import DEFAULT, find_plant, plant_called, plants_and_faults
 from hjcamp.notebook.result import Picture, Result, frame_of, quiet
 
 if TYPE_CHECKING:
@@ -83,8 +83,6 @@ class OneEffect(Result):
     def plot(self, *overrides: str) -> Picture:
         """Return one test without and with the effect; ``overrides`` choose another test."""
         from hjcamp.commands.models.effects import is_pictured
-        from hjcamp.errors import UsageError
-        from hjcamp.known_plants import plant_called
 
         own = plant_called(self.plant).room_of("effects")
         if own is None or not is_pictured(self.name, self.plant):
@@ -169,7 +167,6 @@ def plants(name: str | None = None) -> Catalogue | OnePlant:
     >>> figure = hjcamp.plants("stage").plot()
     """
     from hjcamp.effects import library_of
-    from hjcamp.known_plants import find_plant, plants_and_faults
     from hjcamp.model.checks.plant_checks import check_plant
 
     if name is not None:
@@ -197,7 +194,6 @@ def new_plant(name: str | type) -> Path:
     'plants/my_axis.py'
     """
     from hjcamp.commands.shared.plant_template import write_template
-    from hjcamp.known_plants import plants_and_faults
 
     if isinstance(name, type):
         from hjcamp.notebook.plant_class import write_class

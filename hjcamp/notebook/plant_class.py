@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hjcamp.errors import UsageError
+from hjcamp.model.declare.plant import Plant
 from hjcamp.storage import check_place, write_whole
 
 FROM_CELL = "# Written from a cell of a notebook, which writes it again; change it there."
@@ -21,7 +22,6 @@ def write_class(plant: type, folder: Path) -> Path:
     A file that an earlier run of the cell wrote is replaced, any other is left. ``UsageError`` for what is no plant with
     ``equations`` of its own, and for a class whose lines are not known.
     """
-    from hjcamp.model.declare.plant import Plant
     from hjcamp.model.files.template_file import check_user_name
 
     if not issubclass(plant, Plant) or "equations" not in vars(plant):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.errors import UsageError
 from hjcamp.notebook.result import Picture, Result, frame_of
 
 if TYPE_CHECKING:
@@ -53,7 +54,6 @@ class Proposal(Result):
     def plot(self) -> Picture:
         """Return what the rivals predict for the best tests; ``UsageError`` where there is no test."""
         from hjcamp.commands.any_plant.next_answer import drawn
-        from hjcamp.errors import UsageError
         from hjcamp.report.pictures.next import predictions_figure
 
         if not self.done.proposal.tests:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import polars as pl
 
 from hjcamp.errors import UsageError, counted, unknown
+from hjcamp.records.log import observed
 from hjcamp.report.against_run import RunComparison, tests_of
 from hjcamp.report.ci import metrics_json, params_yaml
 from hjcamp.report.pages.explorer import explorer_html
@@ -162,8 +163,6 @@ def _main_effects(factors: Sequence[Factor], indicators: pl.DataFrame, effects: 
 
 def _as_printed(logs: Sequence[TestLog]) -> bool:
     """Whether every test was simulated, and none with another model than the published one."""
-    from hjcamp.records.log import observed
-
     if observed(logs) != "simulated":
         return False
     models = (configuration(log.attachments.get("config.yaml", b"")).get("model") for log in logs)
@@ -172,8 +171,6 @@ def _as_printed(logs: Sequence[TestLog]) -> bool:
 
 def _dots(conditions: pl.DataFrame, logs: Sequence[TestLog]) -> list[Dots]:
     """Return the means of the run, and the published ones or a baseline's where any stands next to it."""
-    from hjcamp.records.log import observed
-
     rows = conditions.to_dicts()
     kinds = [
         dots_of(rows, observed(logs), INDICATORS),

@@ -9,6 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import polars as pl
+import yaml
 
 from hjcamp.errors import counted
 from hjcamp.report.check import Violation, means_of, tables_of
@@ -98,8 +99,6 @@ def metrics_of(conditions: pl.DataFrame) -> dict[str, Any]:
 
 def params_yaml(plan: Mapping[str, Any]) -> str:
     """Return campaign, seed, repetitions and the choices of each condition of a plan."""
-    import yaml
-
     kept = {name: plan[name] for name in ("campaign", "repetitions", "seed", "axes") if name in plan}
     conditions = {str(one["name"]): dict(one.get("choices") or {}) for one in plan.get("conditions") or ()}
     return str(yaml.safe_dump(json.loads(json.dumps({**kept, "conditions": conditions}, default=str)), sort_keys=False))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import polars as pl
 
 from hjcamp.errors import UsageError
+from hjcamp.records.log import observed
 from hjcamp.report.against_run import Tests, read_tests
 from hjcamp.report.pages.exploration import REFERENCE, Exploration, names_of
 from hjcamp.report.runs.indicators import row_of
@@ -88,7 +89,6 @@ def _condensed(
     Copies are left out. The logs of one condition are read once and let go, all once more without those that are copies of a log of
     another condition.
     """
-    from hjcamp.records.log import observed
     from hjcamp.records.sets.glance import Glance, glance_at
     from hjcamp.records.sets.look import look_across, look_at_condition
     from hjcamp.records.stored import kept

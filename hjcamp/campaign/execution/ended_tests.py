@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.known_plants import plant_of
 from hjcamp.live.feed import current_feed
 
 if TYPE_CHECKING:
@@ -24,7 +25,6 @@ COMMAND_PHASE = 3.0
 def followed_error(columns: Mapping[str, NDArray[np.float64]], config: Mapping[str, Any]) -> tuple[str, float] | None:
     """Return what the plant controls and its RMS error over the command phase, in the field's unit; None without a reference."""
     from hjcamp.controllers.fit import controlled_field
-    from hjcamp.known_plants import plant_of
     from hjcamp.report.pages.exploration import references
 
     followed = controlled_field(plant_of(config))

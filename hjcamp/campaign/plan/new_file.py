@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from hjcamp.configuration.composer import Composer
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import DEFAULT, find_plant
@@ -30,8 +32,6 @@ def new_campaign(name: str | None, folder: Path = FOLDER) -> Path:
 
 def write_campaign(path: Path, content: Mapping[str, Any], comment: Sequence[str]) -> None:
     """Write a campaign's YAML, whole or not at all."""
-    import yaml
-
     from hjcamp.configuration.file_schemas import file_schema
     from hjcamp.schema import editor_line
 

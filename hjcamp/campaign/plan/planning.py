@@ -6,10 +6,12 @@ import fnmatch
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.backends.plant_simulation import followed_unit, plant_in, prepare
 from hjcamp.campaign.plan.campaign_file import RUN_KEYS, Campaign, label_of, read_campaign
 from hjcamp.campaign.plan.conditions import Draft, draft_conditions
 from hjcamp.campaign.plan.objective import read_objectives
 from hjcamp.configuration.check import check_configuration
+from hjcamp.configuration.composer import free
 from hjcamp.configuration.run_keys import RunKeys, read_run_keys
 from hjcamp.controllers import find_controller
 from hjcamp.errors import UsageError, counted, nearest, shown, unknown
@@ -62,8 +64,6 @@ def make_plan(asked: Mapping[str, Any], choice: str | None, lines: Sequence[str]
 
 def composed_plan(overrides: Sequence[str], composer: Composer) -> tuple[Plan, dict[str, Any]]:
     """Return the plan of ``hjcamp run`` with these overrides, and the composed configuration of the call."""
-    from hjcamp.configuration.composer import free
-
     lines = [free(line) for line in overrides]
     asked = composer.compose(lines)
     return make_plan(asked.config, asked.choices.get("campaign"), lines, composer), asked.config
@@ -112,8 +112,6 @@ def _condition(draft: Draft, composition: Composition, repetitions: int, seed: i
 
 def _add_inverted_model(config: dict[str, Any], composer: Composer, where: str) -> None:
     """Add the model that a controller of another plant inverts; raises ``UsageError`` where it cannot be inverted."""
-    from hjcamp.backends.plant_simulation import prepare
-
     lines = [f"plant={config['plant']['name']}", f"model={config['controller'].get('model')}"]
     with naming(where):
         config["controller_model"] = composer.compose(lines).config["model"]
@@ -125,7 +123,6 @@ def trajectory_of(config: Mapping[str, Any]) -> Trajectory:
     """Return the trajectory of a resolved configuration, in the unit that its plant follows."""
     if not config.get("plant"):
         return build_trajectory(config["trajectory"])
-    from hjcamp.backends.plant_simulation import followed_unit, plant_in
 
     return build_trajectory(config["trajectory"], unit=followed_unit(config, plant_in(config))[1])
 

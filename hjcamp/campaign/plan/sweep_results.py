@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import polars as pl
+
 from hjcamp.campaign.plan.objective import Objective, read_objectives
 from hjcamp.errors import HjcampError
 from hjcamp.report.tables.formats import escape_csv
@@ -80,8 +82,6 @@ class SweepResult:
 
 def read_results(folder: Path, directions: Sequence[str], fixed: Collection[str]) -> SweepResult | None:
     """Return what is in the folder of a sweep; None where no job has an objective. ``fixed`` are keys that were not varied."""
-    import polars as pl
-
     found: list[JobResult] = []
     objectives: tuple[Objective, ...] = ()
     plans = folder.glob("*/plan.json")

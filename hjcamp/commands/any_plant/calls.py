@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, joined
+from hjcamp.commands.shared.session import folder_for, keep_answer, progress_of, tell_of_views, write_answer
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import DEFAULT
+from hjcamp.storage import whole_file
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -18,7 +20,6 @@ if TYPE_CHECKING:
 def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
     """Say which effect the model of a plant misses; the answer is that of ``hjcamp diagnose``."""
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import folder_for, keep_answer, progress_of, write_answer
 
     console = make_console()
     with progress_of(console) as report:
@@ -49,7 +50,6 @@ def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
 def compare(data: Data, names: list[str], json: Path | None, into: Path | None, mcap: Path | None = None) -> None:
     """Predict measured tests of a plant with one or more models."""
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import folder_for, progress_of, tell_of_views, write_answer
 
     console = make_console()
     with progress_of(console) as report:
@@ -77,7 +77,6 @@ def compare(data: Data, names: list[str], json: Path | None, into: Path | None, 
 def add(there: list[Path], names_and_paths: list[str], name: str, model: str, json: Path | None) -> None:
     """Fit effects of a plant, save the model, and show the error on blocks that were not used; ``there`` are its logs."""
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import progress_of, write_answer
 
     data = Data(there)
     console = make_console()
@@ -117,7 +116,6 @@ def calibrate_further(
     from hjcamp.analyses.uncertainty import check_posterior
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.any_plant import uncertainty as further
-    from hjcamp.commands.shared.session import progress_of, write_answer
 
     if draws is not None:
         check_posterior(draws)
@@ -161,9 +159,7 @@ def propose(
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.any_plant import next_answer as said
     from hjcamp.commands.any_plant.next_campaign import written_campaign
-    from hjcamp.commands.shared.session import folder_for, progress_of, write_answer
     from hjcamp.report.pictures.next import draw_predictions
-    from hjcamp.storage import whole_file
 
     began, data = time.perf_counter(), Data(logs)
     words = [word for word in words if Path(word) not in logs]
@@ -203,7 +199,5 @@ def _check_words(data: Data, words: list[str], rivals: list[str], named: list[st
 
 def _kept_answers(data: Data, json: Path | None) -> list[Path]:
     """Return where a diagnosis of these logs may have kept its answer."""
-    from hjcamp.commands.shared.session import folder_for
-
     places = [folder_for("diagnose", data.paths, answer) for answer in (json, None)]
     return [folder / "answer.json" for folder in dict.fromkeys(places)]

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjcamp.errors import UsageError
+
 if TYPE_CHECKING:
     from hjcamp.analyses.plant_comparison import PlantComparison
     from hjcamp.diagnosis.data.segments import Layout
@@ -69,7 +71,6 @@ def _predicted(layout: Layout, place: int, one: Shown) -> dict[str, Any]:
 
 def _logged(log: TestLog) -> dict[str, Any]:
     """Return the channels of a log whose names say their unit: others have no axis."""
-    from hjcamp.errors import UsageError
     from hjcamp.model.language.field_unit import unit_of_field
     from hjcamp.report.pages.exploration import NOT_CHANNELS
 

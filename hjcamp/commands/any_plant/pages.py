@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjcamp.commands.shared.page_end import made_from, next_steps
+from hjcamp.storage import whole_file
+
 if TYPE_CHECKING:
     from hjcamp.analyses.plant_comparison import PlantComparison
     from hjcamp.commands.any_plant.verdict_words import Words
@@ -41,7 +44,6 @@ def write_diagnosis(words: Words, folder: Path, following: Sequence[str] = ()) -
     from hjcamp.commands.any_plant.verdict_words import CANDIDATES
     from hjcamp.commands.shared.corner import how_well_known
     from hjcamp.commands.shared.effect_links import equations_of, links, write_effect_pages
-    from hjcamp.commands.shared.page_end import made_from, next_steps
     from hjcamp.records.log import observed
     from hjcamp.report.pages import discrepancy_page as page
     from hjcamp.report.pictures.prediction import draw_windows
@@ -108,7 +110,6 @@ def write_comparison(found: PlantComparison, folder: Path, following: Sequence[s
     from hjcamp.commands.any_plant.comparison_words import comparison_table, notes_on, whole_table
     from hjcamp.commands.any_plant.explorer import exploration_of
     from hjcamp.commands.any_plant.head_words import over_windows
-    from hjcamp.commands.shared.page_end import made_from, next_steps
     from hjcamp.records.log import observed
     from hjcamp.report.pages import discrepancy_page as page
     from hjcamp.report.pages.exploration import names_of
@@ -164,8 +165,6 @@ def write_comparison(found: PlantComparison, folder: Path, following: Sequence[s
 
 
 def _written(folder: Path, pictures: dict[str, str], html: str) -> list[Path]:
-    from hjcamp.storage import whole_file
-
     files = [folder / f"{name}.svg" for name in pictures]
     for file, svg in zip(files, pictures.values(), strict=True):
         with whole_file(file) as stream:

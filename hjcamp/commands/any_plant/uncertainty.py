@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.storage import whole_file
+
 if TYPE_CHECKING:
     from hjcamp.analyses.calibrating import Fitted
     from hjcamp.diagnosis.estimation.profile import Profile
@@ -56,7 +58,6 @@ def _page(done: Fitted, name: str, found: list[Profile]) -> Path:
     from hjcamp.diagnosis.estimation.profile import limit
     from hjcamp.report.pages import discrepancy_page as page
     from hjcamp.report.pictures.profile import draw_profile
-    from hjcamp.storage import whole_file
 
     path = PAGES / f"{name}.html"
     pictures, rows = [], []

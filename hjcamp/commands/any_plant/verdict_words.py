@@ -29,6 +29,7 @@ from hjcamp.commands.any_plant.words import (
     still_words,
 )
 from hjcamp.diagnosis.calibration.shares import left_of, share_of
+from hjcamp.diagnosis.levels import MOST_OF_IT
 from hjcamp.report.wording.repeatability import worst_words
 from hjcamp.report.wording.units import plain, told_estimate, told_interval
 
@@ -95,8 +96,6 @@ class Words:
     @property
     def far_off(self) -> tuple[str, Mapping[str, Any]] | None:
         """The channel that errs most over its noise floor (its noise where none is known), where most of it is above that."""
-        from hjcamp.diagnosis.levels import MOST_OF_IT
-
         rows = self.content["floor"]
         worst = max(rows, key=lambda name: rows[name]["high"] / least(rows[name]))
         return (worst, rows[worst]) if rows[worst]["high"] * (1.0 - MOST_OF_IT) > least(rows[worst]) else None

@@ -9,8 +9,8 @@ import typer
 
 from hjcamp.commands.shared.complete import complete_override
 from hjcamp.commands.shared.duration import duration_text
-from hjcamp.commands.shared.session import AnswerFile
-from hjcamp.errors import UsageError, counted
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
+from hjcamp.errors import UsageError, counted, unknown
 
 if TYPE_CHECKING:
     from hjcamp.records.plan import Plan
@@ -38,8 +38,6 @@ def plan(
     multirun: Annotated[bool, typer.Option("--multirun", "-m", help="The plan of a sweep.")] = False,
 ) -> None:
     """Show what a run would do: conditions, tests, duration, configuration; --signals writes its tests for another rig."""
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
-
     check_answer_file(json)
     if multirun:
         from hjcamp.commands.shared.sweep_plan import show_sweep
@@ -125,7 +123,6 @@ def common_choices(made: Plan) -> str:
 def show_configuration(made: Plan, name: str | None) -> None:
     """Print the resolved configuration of one condition, or of all."""
     from hjcamp.campaign.execution.one_test import configuration_text
-    from hjcamp.errors import unknown
 
     names = [one.name for one in made.conditions]
     if name is not None and name not in names:

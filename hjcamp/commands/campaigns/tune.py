@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.campaign.execution.console import bold
+from hjcamp.campaign.execution.console import bold, make_console
 from hjcamp.commands.shared.complete import complete_override
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
 from hjcamp.errors import UsageError, counted
 
 if TYPE_CHECKING:
@@ -49,9 +49,7 @@ def tune(
     case (conditions that differ only in their trajectory share one gain set) the gains with the smallest mean RMSE1,
     sought from those of Table 5.3.1 (--from simulation) and written to conf/controller/gains/CASE.yaml.
     """
-    from hjcamp.campaign.execution.console import make_console
     from hjcamp.campaign.tuning.gains_file import free_place
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.known_plants import usual_plant
 
     check_answer_file(json)

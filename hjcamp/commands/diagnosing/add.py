@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from hjcamp.analyses.data import Data
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file
+from hjcamp.storage import named_file
 
 
 def register(app: typer.Typer) -> None:
@@ -27,9 +28,7 @@ def add(
 ) -> None:
     """Add effects to a model: fit them, save the model, and show the error fall on tests that were not used."""
     from hjcamp.commands.any_plant import calls
-    from hjcamp.commands.shared.session import check_answer_file
     from hjcamp.known_plants import usual_plant
-    from hjcamp.storage import named_file
 
     check_answer_file(json)
     named_file(name, "model", Path("conf") / "model")

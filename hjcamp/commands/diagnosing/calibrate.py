@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hjcamp.analyses.data import Data
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file
 from hjcamp.errors import UsageError
 
 
@@ -36,7 +36,6 @@ def calibrate(
 ) -> None:
     """Identify a rig's constants from its own logs and save them as configuration."""
     from hjcamp.commands.any_plant import calls
-    from hjcamp.commands.shared.session import check_answer_file
     from hjcamp.configuration.saved_model import check_name
 
     check_answer_file(json)

@@ -9,7 +9,7 @@ import typer
 
 from hjcamp.analyses.comparing import check_models
 from hjcamp.analyses.data import Data
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, folder_for, no_logs
 from hjcamp.storage import check_place
 
 
@@ -33,7 +33,6 @@ def compare(
 ) -> None:
     """Replay measured tests with one or more models: the error, its noise floor, and where it comes from."""
     from hjcamp.commands.any_plant import calls
-    from hjcamp.commands.shared.session import check_answer_file, folder_for, no_logs
     from hjcamp.known_plants import usual_plant
 
     names = model or ["published"]

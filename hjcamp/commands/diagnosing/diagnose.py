@@ -9,7 +9,7 @@ import typer
 
 from hjcamp.analyses.data import Data
 from hjcamp.analyses.diagnosing import Asked, check_workers
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, folder_for, no_logs
 from hjcamp.diagnosis.levels import ALPHA, DELTA
 from hjcamp.errors import UsageError, unknown
 
@@ -54,7 +54,6 @@ def diagnose(
 ) -> None:
     """Say which physical effect the model misses, or that nothing is missing, or that these tests cannot tell."""
     from hjcamp.commands.any_plant import calls
-    from hjcamp.commands.shared.session import check_answer_file, folder_for, no_logs
     from hjcamp.known_plants import usual_plant
 
     if method not in METHODS:

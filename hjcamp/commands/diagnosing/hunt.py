@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hjcamp.commands.shared.complete import complete_override
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -60,7 +60,6 @@ def hunt(
     from hjcamp.campaign.plan.planning import composed_plan
     from hjcamp.commands.hunting.budget import seconds_of
     from hjcamp.commands.hunting.turns import Options
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.configuration.composer import Composer
 
     check_answer_file(json)

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
+from hjcamp.commands.shared.session import check_answer_file, folder_for
 from hjcamp.errors import UsageError
-from hjcamp.known_plants import DEFAULT
+from hjcamp.known_plants import DEFAULT, usual_plant
 
 MOST_TESTS = 12
 
@@ -43,8 +44,6 @@ def next_(
     from hjcamp.analyses.diagnosing import Asked
     from hjcamp.campaign.plan.new_file import new_campaign
     from hjcamp.commands.any_plant import calls
-    from hjcamp.commands.shared.session import check_answer_file, folder_for
-    from hjcamp.known_plants import usual_plant
 
     check_answer_file(json)
     if not 1 <= tests <= MOST_TESTS:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hjcamp.analyses.data import Data, Report
 from hjcamp.backends.plant_simulation import plant_in
 from hjcamp.backends.rig.any_plant.backend import follows
-from hjcamp.commands.hunting.chosen import Choose, Chosen, condition_name
+from hjcamp.commands.hunting.chosen import Choose, Chosen, condition_name, plan_of
 from hjcamp.controllers.fit import controlled_field
 from hjcamp.errors import UsageError, counted
 from hjcamp.model.language.field_unit import unit_of_field
@@ -72,7 +72,6 @@ def choose(done: PlantDiagnosed, seed: int, configs: Sequence[Config], tests: in
 
 
 def _reason(config: Config, models: Sequence[Any]) -> str:
-    from hjcamp.commands.hunting.chosen import plan_of
     from hjcamp.commands.hunting.limits import beyond_limits
 
     try:

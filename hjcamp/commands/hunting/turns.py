@@ -18,6 +18,7 @@ from hjcamp.commands.hunting.drift import drift_of
 from hjcamp.commands.hunting.page import write_page
 from hjcamp.commands.hunting.record import ENDED, INTERRUPTED, RUNNING, STOPPED, Hunt, Round, save
 from hjcamp.commands.hunting.said import said_verdict
+from hjcamp.commands.shared.session import progress_of
 from hjcamp.errors import HjcampError, Interrupted, RigStopped, UsageError, counted
 from hjcamp.records.plan import Condition, Plan, read_plan
 from hjcamp.report.wording.repeatability import NEAR
@@ -120,8 +121,6 @@ class Hunter:
 
     def _judge(self, one: Round, number: int) -> Chosen:
         """Diagnose the tests that count, and choose the next ones."""
-        from hjcamp.commands.shared.session import progress_of
-
         data = Data([self.folder / each.run for each in self.hunt.rounds[one.since : number + 1]])
         room = data.plant.room_of("hunt") or importlib.import_module("hjcamp.commands.hunting.any_plant")
         with progress_of(self.console) as report:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
-from hjcamp.errors import UsageError, counted
-from hjcamp.known_plants import DEFAULT
-from hjcamp.storage import check_place
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, progress_of, write_answer
+from hjcamp.errors import UsageError, counted, unknown
+from hjcamp.known_plants import DEFAULT, find_plant
+from hjcamp.storage import check_place, whole_file
 
 if TYPE_CHECKING:
     from hjcamp.records.elsewhere.import_map import ImportMap
@@ -79,7 +79,6 @@ def import_table(
     from hjcamp.analyses.import_table import FEW, answer_of, table_lines
     from hjcamp.analyses.readiness import at_ends
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import check_answer_file, progress_of, write_answer
     from hjcamp.records.elsewhere.import_map import read_import_map
     from hjcamp.records.elsewhere.importing import import_files
     from hjcamp.records.sets.look import lines_of, look_one_by_one
@@ -184,12 +183,10 @@ def files_of(files: Sequence[Path], into: Path | None) -> list[Path]:
 def write_new_map(files: Sequence[Path], plant: str, output: Path | None) -> None:
     """Write the map that the header of the first file suggests, and say what of it is open."""
     from hjcamp.analyses.data import joined
-    from hjcamp.known_plants import find_plant
     from hjcamp.model.checks.plant_checks import check_users_plant
     from hjcamp.records.elsewhere.guess import guess_map
     from hjcamp.records.elsewhere.map_schema import map_schema
     from hjcamp.schema import editor_line
-    from hjcamp.storage import whole_file
 
     target = output or files[0].with_name(f"{files[0].stem}_map.yaml")
     check_place(target, "--output" if output else "")
@@ -232,7 +229,6 @@ def targets_of(files: Sequence[Path], into: Path | None, output: Path | None) ->
 def _check_hardware(metadata: Sequence[Mapping[str, str]], groups: Sequence[str], mapping: Path) -> None:
     """Refuse hardware that no configuration describes: every analysis would ask for it."""
     from hjcamp.configuration.composer import Composer
-    from hjcamp.errors import unknown
 
     named = [(group, one[group]) for one in metadata for group in groups if one.get(group)]
     composer = Composer() if named else None

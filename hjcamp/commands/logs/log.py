@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from hjcamp.commands import PLAIN
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
 from hjcamp.errors import HjcampError, counted, visible
+from hjcamp.storage import check_place, keep_within, own_folder
 
 EXPORT, VIEW = Path("export"), Path("view")
 Paths = Annotated[list[Path], typer.Argument(help="Run folders, folders of logs, or log files.")]
@@ -34,7 +36,6 @@ def register(app: typer.Typer) -> None:
 def info(paths: Paths, json: AnswerFile = None) -> None:
     """Show what logs hold: samples, duration, fields, metadata."""
     from hjcamp.commands.shared.answers import log_rows
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.records.find import find_logs
     from hjcamp.records.of_plant import span
     from hjcamp.records.recover import verify_log
@@ -57,10 +58,7 @@ def info(paths: Paths, json: AnswerFile = None) -> None:
 
 def verify(paths: Paths, json: AnswerFile = None) -> None:
     """Check that logs are whole, meet the contract and are plausible, each and as a set; exit code 1 where one is not."""
-    from collections import Counter
-
     from hjcamp.commands.shared.answers import log_rows
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.known_plants import DEFAULT
     from hjcamp.records.find import find_logs
     from hjcamp.records.of_plant import span
@@ -99,9 +97,7 @@ def recover(
     json: AnswerFile = None,
 ) -> None:
     """Write what is whole in a damaged log to a new one."""
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.records.recover import recover_log
-    from hjcamp.storage import check_place, keep_within
 
     if output is not None:
         check_place(output, "--output")
@@ -123,11 +119,9 @@ def export(
     json: AnswerFile = None,
 ) -> None:
     """Write logs as tables for other programs, one file each, with units and metadata."""
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.records.find import find_logs
     from hjcamp.records.read import read_log
     from hjcamp.records.views.exporting import export_logs
-    from hjcamp.storage import own_folder
 
     check_answer_file(json)
     written = export_logs(find_logs(paths), read_log, kind, own_folder(into) if into == EXPORT else into)
@@ -146,10 +140,8 @@ def view(
     """Show logs in a viewer with a layout of their plant: curves by panel, phases as states or events."""
     import shlex
 
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.commands.shared.view import begin_viewer, prepare_view
     from hjcamp.records.find import find_logs
-    from hjcamp.storage import own_folder
 
     check_answer_file(json)
     made = prepare_view(list(find_logs(paths)), viewer, own_folder(into) if into == VIEW else into)

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, no_logs, progress_of, write_answer
+from hjcamp.errors import HjcampError, counted
 
 
 def register(app: typer.Typer) -> None:
@@ -27,8 +28,6 @@ def ready(
     from hjcamp.analyses.data import Data
     from hjcamp.analyses.readiness import readiness
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import check_answer_file, no_logs, progress_of, write_answer
-    from hjcamp.errors import HjcampError, counted
 
     if not paths:
         raise no_logs()

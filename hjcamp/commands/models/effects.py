@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, check_picture, write_answer
 from hjcamp.errors import UsageError, counted
-from hjcamp.known_plants import DEFAULT
+from hjcamp.known_plants import DEFAULT, find_plant, plant_called
+from hjcamp.model.declare.port import KINDS
+from hjcamp.model.files.time_limit import time_limit
 
 if TYPE_CHECKING:
     from hjcamp.model.declare.effect import Effect
@@ -63,8 +66,6 @@ def effects(
     json: AnswerFile = None,
 ) -> None:
     """Show the effect library, or one effect, with --figure in a picture; write and test an effect of one's own."""
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
-
     if on and (words or [])[:1] != ["new"]:
         raise UsageError(f"--on is for a new effect: {USAGE}")
     if begun is not None and ((words or [])[:1] != ["new"] or on or plant):
@@ -92,9 +93,6 @@ def effects(
 
 def show_one(name: str, overrides: Sequence[str], plant: str, figure: Path | None, no_figure: bool, json: Path | None) -> None:
     """Print one effect, and draw tests without and with it where a picture is asked for."""
-    from hjcamp.commands.shared.session import check_picture, write_answer
-    from hjcamp.known_plants import plant_called
-
     own = plant_called(plant or DEFAULT).room_of("effects")
     pictured, asked = is_pictured(name, plant or DEFAULT), bool(figure or overrides) and not no_figure
     if asked and not pictured:
@@ -126,7 +124,6 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.answers import effect_row
     from hjcamp.effects import effect_files, imposed_files, library_of
-    from hjcamp.model.declare.port import KINDS
 
     library = library_of(plant or DEFAULT)
     parts = [*library.plant.subsystems, *KINDS]
@@ -161,7 +158,6 @@ def show_catalogue(plant: str = "") -> dict[str, Any]:
 def is_pictured(name: str, plant: str) -> bool:
     """Return whether a test of the plant can be drawn with that effect; an unknown name is shown as such later."""
     from hjcamp.effects import effect_files, library_of
-    from hjcamp.known_plants import plant_called
 
     if "effects" not in plant_called(plant).rooms:
         return False
@@ -181,8 +177,6 @@ def shown_effect(name: str, plant: str) -> type[Effect]:
 
 def show_effect(name: str, plant: str = "") -> dict[str, Any]:
     """Print one effect: what it is, equation, validity, source, parameters, and on what it acts."""
-    import inspect
-
     from rich.table import Table
 
     from hjcamp.campaign.execution.console import bold, make_console
@@ -245,7 +239,6 @@ def new_effect_file(name: str, plant: str, on: str) -> Path:
     from hjcamp.effects import effect_files, imposed_files, load_effects
     from hjcamp.effects._generic_template import write_generic
     from hjcamp.effects._template import write_template
-    from hjcamp.known_plants import find_plant
 
     folder, taken = Path("effects"), {*effect_files([]), *imposed_files(), *load_effects([])}
     if on or plant not in ("", DEFAULT):
@@ -280,7 +273,6 @@ def test_effect(name: str, plant: str = "") -> dict[str, Any]:
 def place_checks(effect: type[Effect], plant: type[Plant]) -> Iterator[tuple[str, str]]:
     """Run the checks that need no compiled model."""
     from hjcamp.model.checks.place_checks import PLACE_CHECKS, PlaceBench
-    from hjcamp.model.files.time_limit import time_limit
 
     bench = PlaceBench(effect, plant)
     for check, passes in PLACE_CHECKS.items():

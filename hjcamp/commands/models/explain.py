@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
 from hjcamp.errors import UsageError, unknown
 
 
@@ -26,7 +26,6 @@ def explain(
 ) -> None:
     """Say what a word of the answers means, in one sentence, or what one of a plant's file takes: path, contact, State."""
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.commands.shared.wrapped import print_wrapped
     from hjcamp.effects import effect_files
     from hjcamp.report.wording.glossary import ALSO, WORDS, plain_word

@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
 from hjcamp.errors import UsageError, unknown
+from hjcamp.storage import check_place, write_whole
 
 SUFFIXES = {"python": ".py", "control": ".py", "latex": ".tex", "fmu": ".fmu", "mujoco": ".xml"}
 USAGE = "hjcamp model export PLANT_OR_MODEL --as python|control|latex|fmu|mujoco [--model M | --run RUN] [--into FILE]"
@@ -34,9 +35,6 @@ def model(
     json: AnswerFile = None,
 ) -> None:
     """Take a model along: its equations, values and integrator as one file for Python, python-control, FMI, MuJoCo or LaTeX."""
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
-    from hjcamp.storage import check_place
-
     if len(words) != 2 or words[0] != "export":
         raise UsageError(f"{USAGE}: give 'export' and one name")
     if kind not in SUFFIXES:
@@ -64,7 +62,6 @@ def export(name: str, kind: str, saved: str, run: Path | None, condition: str, p
     from hjcamp.model.export.joint_values import mapped
     from hjcamp.model.export.mujoco_file import mujoco_file
     from hjcamp.model.export.python_file import python_file
-    from hjcamp.storage import write_whole
 
     exported = model_to_export(name, saved, run, condition)
     joints = mapped(exported) if kind == "mujoco" else None

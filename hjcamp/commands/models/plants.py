@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.campaign.execution.console import bold
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.campaign.execution.console import bold, make_console
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, check_picture, write_answer
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -36,8 +36,6 @@ def plants(
     json: AnswerFile = None,
 ) -> None:
     """Show the plants, or one of them; write and test a plant of one's own."""
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
-
     check_answer_file(json)
     match words or []:
         case []:
@@ -58,7 +56,6 @@ def show_list() -> dict[str, Any]:
     """Print every plant: what it is, what is measured, how many effects fit."""
     from rich.table import Table
 
-    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.answers import plant_row
     from hjcamp.effects import library_of
     from hjcamp.known_plants import plants_and_faults
@@ -81,9 +78,7 @@ def show_list() -> dict[str, Any]:
 
 def show_plant(name: str, figure: Path | None) -> dict[str, Any]:
     """Print one plant: states, inputs, parameters, lines, places, and which effects fit."""
-    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.answers import plant_answer
-    from hjcamp.commands.shared.session import check_picture
     from hjcamp.effects import library_of
     from hjcamp.known_plants import find_plant
     from hjcamp.model.checks.plant_checks import check_plant
@@ -183,7 +178,6 @@ def _import_map(console: Console, plant: type[Plant]) -> None:
 
 def write_new(name: str) -> Path:
     """Write the template of a plant into ./plants."""
-    from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.plant_template import write_template
     from hjcamp.known_plants import plants_and_faults
 
@@ -196,7 +190,6 @@ def write_new(name: str) -> Path:
 
 def run_tests(name: str) -> dict[str, Any]:
     """Run the checks that every plant passes on one plant."""
-    from hjcamp.campaign.execution.console import make_console
     from hjcamp.effects import library_of
     from hjcamp.known_plants import find_plant
     from hjcamp.model.checks.plant_bench import effects_seen, identified

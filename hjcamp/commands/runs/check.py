@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
+from hjcamp.errors import HjcampError, UsageError, counted
+from hjcamp.storage import check_place, whole_file
 
 
 def register(app: typer.Typer) -> None:
@@ -26,13 +29,8 @@ def check(
 
     The exit code is 1 where a course differs by more than the tolerance, or is missing on either side.
     """
-    import math
-
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
-    from hjcamp.errors import HjcampError, UsageError, counted
     from hjcamp.report.run_check import differences
     from hjcamp.report.run_check import junit as junit_of
-    from hjcamp.storage import check_place, whole_file
 
     check_answer_file(json)
     if not 0.0 <= tolerance < 1.0:

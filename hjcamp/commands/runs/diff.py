@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -31,7 +31,6 @@ def diff(
     Means of the same condition are compared by Welch's t test, with Holm's correction for the number of comparisons.
     """
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.report.run_difference import run_difference
 
     check_answer_file(json)

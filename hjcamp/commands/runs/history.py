@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, check_picture, write_answer
 from hjcamp.errors import UsageError, counted
 from hjcamp.storage import shown_path
 
@@ -39,7 +39,6 @@ def history(
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.campaign.runs.finding import FOLDERS, find_runs
     from hjcamp.campaign.runs.history import history_rows, moments_of, read_words
-    from hjcamp.commands.shared.session import check_answer_file, check_picture, write_answer
     from hjcamp.report.pictures.history import draw_history
 
     if folder is not None and not folder.is_dir():

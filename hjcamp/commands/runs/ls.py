@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
 from hjcamp.errors import UsageError
 from hjcamp.storage import check_place, shown_path
 
@@ -38,7 +39,6 @@ def ls(
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.campaign.runs.finding import FOLDERS, find_runs
     from hjcamp.campaign.runs.listing import USUAL, in_order, rows_of
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
 
     if folder is not None and not folder.is_dir():
         raise UsageError(f"--folder {shown_path(folder)}: there is no such folder")
@@ -79,7 +79,6 @@ def ls(
 
 
 def _link(path: Path, page: Path) -> str:
-    import os
     from urllib.parse import quote
 
     return quote(Path(os.path.relpath(path.resolve(), page.resolve().parent)).as_posix())

@@ -9,6 +9,9 @@ from typing import Annotated
 
 import typer
 
+from hjcamp.errors import HjcampError, UsageError, counted
+from hjcamp.storage import check_place, shown_path
+
 REPORT, PAGE = "report.html", "index.html"
 DEEPEST = 6
 # In so many letters at its begin a page of ours says that it loads nothing; an index.html of another program does not.
@@ -29,9 +32,7 @@ def open_(
 
     A ZIP of hjcamp share is checked and unpacked; nothing in it is run, and nothing is written outside its new folder.
     """
-    from hjcamp.errors import UsageError
     from hjcamp.live.browser import has_windows, opened
-    from hjcamp.storage import shown_path
 
     if not path.exists():
         raise UsageError(f"{shown_path(path)}: no such file or folder")
@@ -53,9 +54,7 @@ def open_(
 def unpack(source: Path, into: Path) -> None:
     """Unpack a shared run, check its logs, and say what is there."""
     from hjcamp.campaign.files.shared_run import open_shared
-    from hjcamp.errors import HjcampError, counted
     from hjcamp.records.recover import verify_log
-    from hjcamp.storage import check_place
 
     check_place(into, "--into", folder=True)
     files = open_shared(source, into)

@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
-from hjcamp.errors import counted
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
+from hjcamp.errors import UsageError, counted
+from hjcamp.storage import check_place, shown_path
 
 
 def register(app: typer.Typer) -> None:
@@ -40,11 +41,8 @@ def paper(
     standard uncertainty, s over the root of n; ...Std the deviation of the tests, ...N their number.
     """
     from hjcamp.campaign.execution.console import bold, make_console
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
-    from hjcamp.errors import UsageError
     from hjcamp.report.paper.figures import formats_of, style_of
     from hjcamp.report.paper.folder import write_paper
-    from hjcamp.storage import check_place, shown_path
 
     chosen, kinds = style_of(style, width), formats_of(formats)
     check_answer_file(json)

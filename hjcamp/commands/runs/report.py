@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
 from hjcamp.errors import HjcampError, UsageError, counted
+from hjcamp.storage import check_place, own_folder
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -44,7 +45,6 @@ def report(
     """Make tables and the report page of a run folder or of logs, next to the published values."""
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.campaign.further_pictures import further_pictures
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.report.answer import report_answer
     from hjcamp.report.build import build_report
     from hjcamp.report.check import check as check_cells
@@ -52,7 +52,6 @@ def report(
     from hjcamp.report.ci import junit_xml, summary_markdown
     from hjcamp.report.reading import AGAINST
     from hjcamp.report.tables.store import replace_file
-    from hjcamp.storage import check_place, own_folder
 
     check_answer_file(json)
     if junit is not None and check is None:

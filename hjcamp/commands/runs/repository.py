@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from importlib import resources
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from hjcamp import __version__
+from hjcamp.errors import UsageError
+from hjcamp.storage import check_place, shown_path, whole_file
 
 
 def register(app: typer.Typer) -> None:
@@ -18,13 +23,8 @@ def repository(
     plant: Annotated[str, typer.Option(help="Name of the plant; its file is begun as by hjcamp plants new.")] = "axis",
 ) -> None:
     """Begin a repository of a plant, of six files: plant, campaign, CI job, requirements, README, .gitignore."""
-    from importlib import resources
-
-    from hjcamp import __version__
     from hjcamp.commands.shared.plant_template import write_template
-    from hjcamp.errors import UsageError
     from hjcamp.known_plants import OWN_PLANTS, plant_names
-    from hjcamp.storage import check_place, shown_path, whole_file
 
     check_place(folder, folder=True)
     if folder.exists() and any(folder.iterdir()):

@@ -7,6 +7,9 @@ from typing import Annotated
 
 import typer
 
+from hjcamp.errors import UsageError, counted
+from hjcamp.storage import check_place, shown_path
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
@@ -29,8 +32,6 @@ def share(
     unpacks it elsewhere.
     """
     from hjcamp.campaign.files.shared_run import share_run
-    from hjcamp.errors import UsageError, counted
-    from hjcamp.storage import check_place, shown_path
 
     if mlflow is not None:
         from hjcamp.campaign.files.mlflow_run import track

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -27,7 +27,6 @@ def show(run: Annotated[Path, typer.Argument(help="The run folder.")], json: Ans
     from hjcamp.campaign.runs.finding import FoundRun
     from hjcamp.commands.campaigns.plan import common_choices
     from hjcamp.commands.shared.answers import run_answer
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
 
     check_answer_file(json)
     folder = open_folder(run)

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
 from hjcamp.errors import HjcampError, UsageError
+from hjcamp.storage import user_folder
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -33,7 +34,6 @@ def doctor(
 ) -> None:
     """Check this installation: versions, folders, caches, the rig's driver; exit code 1 where something is broken."""
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.commands.shared.wrapped import print_wrapped
 
     check_answer_file(json)
@@ -121,8 +121,6 @@ def configuration() -> Iterator[Finding]:
 
 def folders() -> Iterator[Finding]:
     """Whether runs, the user's cache and the temporary folder can be written."""
-    from hjcamp.storage import user_folder
-
     for subject, folder, state in (
         ("runs", Path("runs"), "broken"),
         ("cache", user_folder("XDG_CACHE_HOME", ".cache"), "note"),

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from hjcamp.commands import PLAIN
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
 from hjcamp.errors import HjcampError, UsageError
 
 COUNT_DOWN_S = 3
@@ -140,7 +140,6 @@ def check(
     json: AnswerFile = None,
 ) -> None:
     """Check wiring, noise and directions with small motions; a rig must pass before it runs a campaign."""
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.known_plants import plant_called
 
     check_answer_file(json)
@@ -203,7 +202,6 @@ def check_plant(overrides: Sequence[str], ready: Any, show: Any) -> dict[str, An
 def unlock(json: AnswerFile = None) -> None:
     """Say who holds each rig of this computer. A lock ends with its process, so there is nothing to remove."""
     from hjcamp.backends.rig.lock import describe, is_free, lock_folder, read_holder
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
 
     check_answer_file(json)
     held: list[dict[str, Any]] = []

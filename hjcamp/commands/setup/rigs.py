@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
 from hjcamp.errors import HjcampError, UsageError
 
 if TYPE_CHECKING:
@@ -32,8 +32,6 @@ def rigs(
     json: AnswerFile = None,
 ) -> None:
     """Show the rigs of one's own; write one, and test it against a driver with every fault."""
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
-
     check_answer_file(json)
     match words or []:
         case []:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Annotated
 
 import typer
@@ -23,8 +24,6 @@ def schema(
     The line '# yaml-language-server: $schema=campaign.json' at the head of a file makes an editor use it; files that the program
     begins have it. settings: the whole configuration, as config.yaml of a run holds it.
     """
-    import json
-
     from hjcamp.configuration.file_schemas import file_schema
     from hjcamp.known_plants import find_plant
 

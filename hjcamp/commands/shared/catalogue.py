@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.errors import HjcampError
+from hjcamp.storage import check_place, whole_file
 
 if TYPE_CHECKING:
     from hjcamp.model.declare.effect import Effect
@@ -24,7 +25,6 @@ def write_pages(folder: Path, tell: Callable[[str], None] = lambda text: None) -
     from hjcamp.effects import library_of
     from hjcamp.known_plants import load_plants
     from hjcamp.report.pages.catalogue_page import effect_page, index_page, plant_page
-    from hjcamp.storage import check_place, whole_file
 
     check_place(folder, "--pages", folder=True)
     plants = load_plants()

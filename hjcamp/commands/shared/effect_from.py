@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.json_text import read_json
+from hjcamp.storage import check_is_file, shown_path
 
 if TYPE_CHECKING:
     from hjcamp.effects._begun import Begun
@@ -100,8 +101,6 @@ def no_such_form(form: str, found: Mapping[str, Formula], content: Mapping[str, 
 
 def answer_file(path: Path) -> Path:
     """Return the answer for programs that is meant by a file, the folder of a diagnosis, or a run folder."""
-    from hjcamp.storage import check_is_file, shown_path
-
     check_is_file(path)
     if not path.exists():
         raise UsageError(f"--from {shown_path(path)}: this does not exist; give a diagnosis (hjcamp diagnose RUN)")

@@ -7,6 +7,8 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hjcamp.storage import whole_file
+
 if TYPE_CHECKING:
     from hjcamp.model.declare.effect import Effect
 
@@ -30,7 +32,6 @@ def equations_of(names: Sequence[str], library: Mapping[str, type[Effect]]) -> s
 def write_effect_pages(folder: Path, names: Sequence[str], library: Mapping[str, type[Effect]]) -> None:
     """Write the page of each effect that is a candidate next to the diagnosis."""
     from hjcamp.report.pages.catalogue_page import EffectEntry, effect_page
-    from hjcamp.storage import whole_file
 
     for name in dict.fromkeys(names):
         html = effect_page(EffectEntry(name, library[name]), back="")

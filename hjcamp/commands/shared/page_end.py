@@ -6,6 +6,9 @@ from collections.abc import Iterable, Sequence
 from contextvars import ContextVar
 from typing import TYPE_CHECKING
 
+from hjcamp import __version__
+from hjcamp.errors import counted
+
 if TYPE_CHECKING:
     from hjcamp.records.log import TestLog
 
@@ -26,10 +29,8 @@ def made_from(logs: Iterable[TestLog]) -> str:
     import hashlib
     import shlex
 
-    from hjcamp import __version__
     from hjcamp.campaign.files.provenance import git_label, utc_now
     from hjcamp.configuration.saved_model import log_hashes
-    from hjcamp.errors import counted
     from hjcamp.report.pages.discrepancy_page import heading, table_of
 
     hashes = log_hashes(log.path for log in logs)

@@ -13,7 +13,7 @@ from typing import IO, TYPE_CHECKING, Annotated, Any
 import typer
 
 from hjcamp.errors import UsageError, counted
-from hjcamp.storage import check_place, own_folder, shown_path
+from hjcamp.storage import check_place, own_folder, shown_path, whole_file
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -72,8 +72,6 @@ def check_picture(path: Path) -> None:
 
 def write_answer(path: Path | None, answer: dict[str, Any]) -> None:
     """Write the answer as JSON, to a file whole or not at all."""
-    from hjcamp.storage import whole_file
-
     if path is None:
         return
     text = json.dumps(answer, indent=2, allow_nan=False) + "\n"
@@ -87,8 +85,6 @@ def write_answer(path: Path | None, answer: dict[str, Any]) -> None:
 
 def keep_answer(folder: Path, answer: dict[str, Any], name: str = "answer.json") -> None:
     """Write the answer next to its page, where `hjcamp effects new NAME --from` finds it, whole or not at all."""
-    from hjcamp.storage import whole_file
-
     with whole_file(folder / name) as stream:
         stream.write((json.dumps(answer, indent=2, allow_nan=False) + "\n").encode())
 

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hjcamp.errors import HjcampError, UsageError, unknown
-from hjcamp.records.log import TestLog
-from hjcamp.storage import file_name
+from hjcamp.records.log import TOPIC, TestLog
+from hjcamp.records.of_plant import plant_of
+from hjcamp.storage import check_place, file_name
 
 #: What each viewer's program may be called.
 PROGRAMS = {
@@ -37,12 +38,9 @@ class View:
 def prepare_view(logs: list[Path], viewer: str, into: Path) -> View:
     """Write what a viewer needs for some logs of one plant; raises ``UsageError`` for an unknown viewer or too many logs."""
     from hjcamp.live.describe import channels_of, phases_of
-    from hjcamp.records.log import TOPIC
-    from hjcamp.records.of_plant import plant_of
     from hjcamp.records.read import read_log
     from hjcamp.records.views.rerun_view import write_recording
     from hjcamp.records.views.viewer_layouts import write_layouts
-    from hjcamp.storage import check_place
 
     if viewer not in PROGRAMS:
         raise unknown("viewer", viewer, PROGRAMS, "--with")

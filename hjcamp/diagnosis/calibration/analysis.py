@@ -34,6 +34,7 @@ from hjcamp.errors import UsageError
 from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.declare.effect import Effect
+from hjcamp.model.declare.parameter import Parameter
 from hjcamp.model.declare.plant import Plant
 
 Array = NDArray[np.float64]
@@ -217,8 +218,6 @@ def _admit_laws(search: Search, fitted: Fitted, unknowns: bool) -> None:
 
 
 def _free(item: object, value: float | None) -> Free:
-    from hjcamp.model.declare.parameter import Parameter
-
     assert isinstance(item, Parameter)
     low, high = item.bounds
     now = item.default if value is None else value

@@ -14,6 +14,7 @@ from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError, shown, unknown
 from hjcamp.model.compile.compose import Composition
 from hjcamp.model.declare.effect import Effect
+from hjcamp.model.language.effect_units import check_units
 from hjcamp.plants.pump_joint import PumpJoint
 from hjcamp.plants.pump_joint.factors import FACTORS
 from hjcamp.plants.pump_joint.rig.schema import Backend, Rig
@@ -78,8 +79,6 @@ def check_model(model: Any, path: str, further: Sequence[type[Effect]] = ()) -> 
     for effect in effects.values():
         # Ours are checked by the tests; a user's file may have been saved a moment ago.
         if not effect.__module__.startswith(OWN_EFFECTS):
-            from hjcamp.model.language.effect_units import check_units
-
             check_units(effect, PumpJoint)
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from mcap.writer import CompressionType, Writer
 from numpy.typing import NDArray
 
 from hjcamp.errors import HjcampError
@@ -73,8 +74,6 @@ def topics_of(test: ModelledTest) -> dict[str, Channels]:
 
 
 def _write(path: Path, test: ModelledTest, topics: Mapping[str, Channels]) -> None:
-    from mcap.writer import CompressionType, Writer
-
     start = start_time_ns(test.metadata)
     times = start + np.rint((test.time - test.time[0]) * 1e9).astype(np.int64)
     with whole_file(path) as stream:

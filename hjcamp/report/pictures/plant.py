@@ -11,6 +11,7 @@ from typing import Any
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.declare.port import KINDS, Port
 from hjcamp.model.language.vocabulary import Vocabulary, read_vocabulary
+from hjcamp.storage import whole_file
 
 INK = "#1b1f24"
 #: The kinds of places in the order in which a drive has them.
@@ -124,7 +125,6 @@ def draw_plant(path: Path, plant: type[Plant]) -> None:
     from matplotlib.figure import Figure
 
     from hjcamp.report.pictures.conditions import own_settings
-    from hjcamp.storage import whole_file
 
     form = path.suffix.lstrip(".")
     with own_settings({}), whole_file(path) as stream:

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.backends.plant_simulation import law_of, log_sources, plant_in, prepare
+from hjcamp.backends.plant_simulation import law_of, log_sources, plant_in, prepare, simulator_of
 from hjcamp.backends.recording import current_recording
 from hjcamp.backends.rig.any_plant.control import PlantControl, control_text
-from hjcamp.backends.rig.any_plant.driver import not_written
+from hjcamp.backends.rig.any_plant.driver import last_words, not_written
 from hjcamp.backends.rig.any_plant.limits import PlantLimits, plant_watches
 from hjcamp.backends.rig.any_plant.loop import PlantLoop, Stopped, StoppedForGood
 from hjcamp.backends.rig.any_plant.session import (
@@ -120,8 +120,6 @@ def _raise(reason: str, may_go_on: bool, session: Session) -> None:
 
 
 def _close_log(loop: PlantLoop) -> str:
-    from hjcamp.backends.rig.any_plant.driver import last_words
-
     loop.journal.close()
     return last_words(loop.driver)
 
@@ -152,8 +150,6 @@ def before_moving(config: Mapping[str, Any]) -> list[str]:
 
 def kernel_texts(config: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     """Return what a test here compiles: what each is in words, its text, and the function that is compiled last."""
-    from hjcamp.backends.plant_simulation import simulator_of
-
     found = {"the control law for the rig": (control_text(simulator_of(config)), "decide")}
     if config["rig"]["name"] == "simulated":
         from hjcamp.backends.virtual_rig.stepping import step_simulator

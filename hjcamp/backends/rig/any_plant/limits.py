@@ -12,6 +12,7 @@ from hjcamp.controllers.fit import controlled_field
 from hjcamp.errors import counted
 from hjcamp.model.checks.watch import Term, Watch
 from hjcamp.model.declare.plant import Plant
+from hjcamp.model.language.field_unit import unit_of_field
 from hjcamp.rigs.fit import Wire, Wiring
 from hjcamp.rigs.rig import Rig
 
@@ -146,8 +147,6 @@ def plant_watches(rig: type[Rig] | Rig, wiring: Wiring, tracked: bool, reach: bo
 
 def _per_field(wire: Wire) -> float:
     """Return the channel's number for one of the field's unit."""
-    from hjcamp.model.language.field_unit import unit_of_field
-
     return abs(wire.scale) / unit_of_field(wire.field, wire.name).scale
 
 

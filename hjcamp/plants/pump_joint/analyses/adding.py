@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from hjcamp import __version__
 from hjcamp.analyses.adding import Added, command_line
 from hjcamp.analyses.data import Data, Report, silent
 from hjcamp.errors import counted
@@ -57,7 +58,6 @@ def comment_of(model: str, found: Addition) -> list[str]:
 
 def provenance_of(found: Addition, evidence: Evidence, command: str, content: dict[str, Any]) -> dict[str, Any]:
     """Return where the model comes from: command, version, time, fit, intervals, logs by hash."""
-    from hjcamp import __version__
     from hjcamp.campaign.files.provenance import git_label, utc_now
     from hjcamp.configuration.saved_model import log_hashes
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hjcamp.analyses.data import Data, joined
+from hjcamp.commands.shared.session import progress_of, write_answer
 from hjcamp.errors import counted
 
 if TYPE_CHECKING:
@@ -21,7 +22,6 @@ def add(there: list[Path], effects_and_paths: list[str], name: str, model: str, 
     """Fit effects, save the model, and show the error on tests that were not used."""
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.shared.effects_and_paths import split
-    from hjcamp.commands.shared.session import progress_of, write_answer
     from hjcamp.configuration.saved_model import check_new_name
     from hjcamp.effects import load_effects
     from hjcamp.plants.pump_joint.analyses.adding import add as add_effects

@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data
+from hjcamp.commands.shared.session import write_answer
 from hjcamp.errors import counted
 from hjcamp.plants.pump_joint.analyses.calibrating import identify_joint, pairs
+from hjcamp.storage import whole_file
 
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.calibrate.estimate import Estimate
@@ -17,9 +19,7 @@ if TYPE_CHECKING:
 def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool, json: Path | None) -> None:
     """Identify the constants that these tests support, write model, rig and page."""
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import write_answer
     from hjcamp.plants.pump_joint.figures.identification import identification_page
-    from hjcamp.storage import whole_file
 
     done = identify_joint(data, name, pairs(only), conf, replace)
     found, model, rig = done.found, done.model, done.rig

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hjcamp.analyses.data import Data, joined
+from hjcamp.commands.shared.session import folder_for, progress_of, tell_of_views, write_answer
 from hjcamp.errors import counted
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ BAR = 30
 def compare(data: Data, names: list[str], json: Path | None, into: Path | None, mcap: Path | None = None) -> None:
     """Replay measured tests with models; print, write the answer, the pictures and the page."""
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import folder_for, progress_of, tell_of_views, write_answer
     from hjcamp.plants.pump_joint.analyses.comparing import compare_joint
     from hjcamp.plants.pump_joint.analyses.evidence import evidence_in
 

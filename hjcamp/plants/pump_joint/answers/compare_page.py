@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hjcamp.commands.shared.page_end import made_from, next_steps
 from hjcamp.errors import counted
-from hjcamp.plants.pump_joint.answers.error_words import in_unit, worse_than_mean
+from hjcamp.plants.pump_joint.answers.error_words import in_unit, over_words, worse_than_mean
+from hjcamp.storage import whole_file
 
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.diagnosis.compare import Compared, Comparison
@@ -61,17 +63,14 @@ def places_in_words(one: Compared) -> list[str]:
 
 def write_pictures(found: Comparison, folder: Path, following: Sequence[str] = ()) -> list[Path]:
     """Write overlay, where, horizon and the page that holds them, with the commands that go on; return their paths, the page last."""
-    from hjcamp.commands.shared.page_end import made_from, next_steps
     from hjcamp.plants.pump_joint.answers.compare_explorer import exploration_of
     from hjcamp.plants.pump_joint.answers.compare_map import PALE_SAID, maps_of
-    from hjcamp.plants.pump_joint.answers.error_words import over_words
     from hjcamp.plants.pump_joint.figures.discrepancy import HorizonCurve, draw_horizon, draw_overlay
     from hjcamp.report.pages import discrepancy_page as page
     from hjcamp.report.pages.explorer import explorer_html
     from hjcamp.report.pictures.drawing import draw_errors
     from hjcamp.report.wording.names import readable
     from hjcamp.report.wording.repeatability import NO_NOISE_FLOOR
-    from hjcamp.storage import whole_file
 
     models, last, calibrated = found.models, found.models[-1], found.calibrated
     overlay = worst_overlay(models)

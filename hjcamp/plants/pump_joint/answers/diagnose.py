@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, free_model_name, joined
-from hjcamp.campaign.execution.console import can_move
+from hjcamp.campaign.execution.console import can_move, make_console
+from hjcamp.commands import command_files
+from hjcamp.commands.shared.session import folder_for, keep_answer, progress_of, write_answer
 from hjcamp.errors import counted
 
 if TYPE_CHECKING:
@@ -24,8 +26,6 @@ SHOWN = 6
 
 def diagnose(data: Data, asked: Asked, json: Path | None) -> None:
     """Say what the model misses; print, write the answer, the pictures and the page."""
-    from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import folder_for, keep_answer, progress_of, write_answer
     from hjcamp.plants.pump_joint.analyses.diagnosing import diagnose_joint
 
     console = make_console()
@@ -74,8 +74,6 @@ def tell_of_compiling(console: Console, report: Callable[[str, float], None], do
 
 def next_command(content: dict[str, Any], paths: list[Path], model: str = "published", folder: Path = Path("diagnose")) -> str:
     """Return the command that goes on from an answer; it can be pasted as it is."""
-    from hjcamp.commands import command_files
-
     verdict = content["verdict"]
     own = "" if model == "published" else f" --model {model}"
     if verdict == "effect":

@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hjcamp.commands.shared.page_end import made_from, next_steps
+from hjcamp.storage import whole_file
+
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.answers.diagnose_words import Told
 
@@ -29,7 +32,6 @@ def write_pictures(told: Told, folder: Path, following: Sequence[str] = ()) -> l
     from hjcamp.plants.pump_joint.answers.evidence import evidence_pictures
     from hjcamp.plants.pump_joint.figures.unexplained import draw_unexplained
     from hjcamp.report.pictures.drawing import draw_errors
-    from hjcamp.storage import whole_file
 
     pictures = evidence_pictures(told.found, told.shown)
     pictures["errors"] = draw_errors(*told.bars())
@@ -53,7 +55,6 @@ def write_pictures(told: Told, folder: Path, following: Sequence[str] = ()) -> l
 def _page(told: Told, pictures: dict[str, str], known: list[str], folder: Path, following: Sequence[str]) -> str:
     from hjcamp.commands.any_plant.pages import BAND, CORRELATIONS, REPEATED
     from hjcamp.commands.shared.effect_links import equations_of, links
-    from hjcamp.commands.shared.page_end import made_from, next_steps
     from hjcamp.plants.pump_joint.answers.diagnose_words import CALIBRATED, CANDIDATES, LEFT
     from hjcamp.plants.pump_joint.answers.error_words import error_table, over
     from hjcamp.report.pages import discrepancy_page as page

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hjcamp.analyses.effort import EFFORTS
 from hjcamp.campaign.plan.campaign_file import RUN_KEYS
 from hjcamp.configuration.composer import as_override, free
 from hjcamp.configuration.overrides import key_of, parse_overrides
@@ -93,7 +94,6 @@ def read_words(words: Sequence[str], rivals: Sequence[str], library: Mapping[str
 
 def work_of(words: Words, library: Mapping[str, Any], effort: str, seed: int, report: Report) -> Work | Diagnosis:
     """Return the work to be done, or the diagnosis whose verdict leaves nothing to separate."""
-    from hjcamp.analyses.effort import EFFORTS
     from hjcamp.plants.pump_joint.diagnosis.diagnose import diagnose as search
 
     if effort not in EFFORTS:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hjcamp.commands.shared.session import folder_for, progress_of, write_answer
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -25,7 +26,6 @@ def propose(
     """Propose tests, and write them as a campaign."""
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.campaign.plan.new_file import new_campaign, write_campaign
-    from hjcamp.commands.shared.session import folder_for, progress_of, write_answer
     from hjcamp.plants.pump_joint.diagnosis.design.campaign_file import campaign_content
 
     began = time.perf_counter()

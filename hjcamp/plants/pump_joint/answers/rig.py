@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from hjcamp.errors import UsageError
+
 
 def serve(
     overrides: Sequence[str], address: str, fault: Sequence[str], anybody: bool, rate: float | None, say: Callable[[str], None]
@@ -14,7 +16,6 @@ def serve(
     """Serve a virtual rig on the vendor's protocol until Ctrl-C; ``rate`` None: in lockstep."""
     from hjcamp.configuration.composer import Composer, free
     from hjcamp.effects import chosen_effects
-    from hjcamp.errors import UsageError
     from hjcamp.plants.pump_joint.virtual_rig.faults import parse_fault
     from hjcamp.plants.pump_joint.virtual_rig.server import check_address, client_address, is_local, start_server
 

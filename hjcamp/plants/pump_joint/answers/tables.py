@@ -9,8 +9,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hjcamp.commands.shared.session import check_answer_file, keep_answer, progress_of, write_answer
 from hjcamp.errors import UsageError, unknown
+from hjcamp.plants.pump_joint.tables import question as questions
+from hjcamp.plants.pump_joint.tables.answer import NAME, answer, read_answer
 from hjcamp.plants.pump_joint.tables.answer import is_answer as is_answer
+from hjcamp.plants.pump_joint.tables.cells import SIMULATED
+from hjcamp.plants.pump_joint.tables.quantities import candidates
+from hjcamp.plants.pump_joint.tables.question import asked
+from hjcamp.plants.pump_joint.tables.search import EFFORTS
+from hjcamp.storage import write_whole
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -25,20 +33,14 @@ def diagnose_tables(
     """Say what the model misses, judged by tables alone; the folder of the answer keeps every finished fit."""
     from hjcamp.analyses.diagnosing import check_seed, considered
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import check_answer_file, keep_answer, progress_of, write_answer
 
     began = time.perf_counter()
     check_answer_file(json)
     check_seed(seed)
     console = make_console()
     with progress_of(console) as report:
-        from hjcamp.plants.pump_joint.tables import question as questions
-        from hjcamp.plants.pump_joint.tables.answer import NAME, answer
         from hjcamp.plants.pump_joint.tables.diagnosis import diagnose
         from hjcamp.plants.pump_joint.tables.page import PICTURE, draw, page
-        from hjcamp.plants.pump_joint.tables.quantities import candidates
-        from hjcamp.plants.pump_joint.tables.search import EFFORTS
-        from hjcamp.storage import write_whole
         from hjcamp.workers.pool import Crew, available
 
         if effort not in EFFORTS:
@@ -120,14 +122,11 @@ def print_errors(console: Console, content: Mapping[str, Any], fitted: str = "fi
 def compare_tables(words: Sequence[str], names: Sequence[str], json: Path | None) -> None:
     """Simulate the conditions of tables with saved models, as ``hjcamp run`` would, and show the error of each."""
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.shared.session import check_answer_file, progress_of, write_answer
 
     check_answer_file(json)
     console = make_console()
     with progress_of(console) as report:
-        from hjcamp.plants.pump_joint.tables.cells import SIMULATED
         from hjcamp.plants.pump_joint.tables.comparison import compare
-        from hjcamp.plants.pump_joint.tables.question import asked
 
         content = compare(asked(words), names, SIMULATED, 1, report)
         write_answer(json, content)
@@ -142,10 +141,8 @@ def add_table(path: Path, name: str, json: Path | None) -> None:
     """Save the model of a table's diagnosis under a name."""
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.campaign.files.provenance import git_label, utc_now
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
     from hjcamp.configuration.saved_model import check_new_name, rounded, write_content
     from hjcamp.plants.pump_joint.configuration import check_model
-    from hjcamp.plants.pump_joint.tables.answer import read_answer
 
     check_answer_file(json)
     file, found = check_new_name(name), read_answer(path)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, check_picture, write_answer
 from hjcamp.errors import UsageError
 
 if TYPE_CHECKING:
@@ -36,7 +36,6 @@ def budget(
     from hjcamp.campaign.execution.compiling import Doing, kernels_of, status
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.campaigns.plan import compose_plan
-    from hjcamp.commands.shared.session import check_answer_file, check_picture, write_answer
     from hjcamp.plants.pump_joint.figures.budget import draw_budget
     from hjcamp.plants.pump_joint.studies.budget import budget as work
     from hjcamp.plants.pump_joint.studies.retune import gains_of

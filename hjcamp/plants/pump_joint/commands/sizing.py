@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hjcamp.commands.shared.session import AnswerFile
-from hjcamp.errors import UsageError
+from hjcamp.commands.shared.session import AnswerFile, check_answer_file, write_answer
+from hjcamp.errors import UsageError, unknown
+from hjcamp.storage import check_place
 
 if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.sizing.capability import Friction, Joint
@@ -39,8 +40,6 @@ def sizing(
     output: Annotated[Path, typer.Option(help="With figures: the folder for them.")] = Path("sizing"),
 ) -> None:
     """The formulas of chapter 3 next to the print; whether this joint can do a task, and which limit stops it; figures."""
-    from hjcamp.commands.shared.session import check_answer_file, write_answer
-
     match words or []:
         case []:
             check_answer_file(json_file)
@@ -53,8 +52,6 @@ def sizing(
         case ["figures", *_]:
             raise UsageError(f"figures gives no answer for --json: {USAGE}")
         case [word, *_]:
-            from hjcamp.errors import unknown
-
             raise unknown("word", word, ("capability", "figures"), "hjcamp sizing")
 
 
@@ -192,7 +189,6 @@ def draw(output: Path, lines: list[str]) -> None:
     from hjcamp.configuration.composer import Composer
     from hjcamp.plants.pump_joint.figures.joint import figures_of
     from hjcamp.plants.pump_joint.figures.sizing import FIGURES, draw_figures
-    from hjcamp.storage import check_place
 
     for line in lines:
         if "=" not in line or line.partition("=")[0] == "campaign":

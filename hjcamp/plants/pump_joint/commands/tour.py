@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import shlex
 import sys
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from hjcamp.errors import UsageError, unknown
+from hjcamp.storage import write_whole
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -125,7 +127,6 @@ def open_answer(console: Console, tour: Tour) -> None:
 def tell_of_fall(console: Console, tour: Tour) -> None:
     """Say by how much the error fell on what was not used for the fit, and draw it."""
     from hjcamp.report.pictures.drawing import draw_errors
-    from hjcamp.storage import write_whole
 
     try:
         rows = [(name, float(value)) for name, value in tour.kind.fall(tour)]
@@ -139,8 +140,6 @@ def tell_of_fall(console: Console, tour: Tour) -> None:
 
 def say(console: Console, text: str) -> None:
     """Print a paragraph, wrapped to a width that reads well."""
-    import textwrap
-
     for line in textwrap.wrap(text, min(console.width, 100), break_on_hyphens=False):
         console.print(line, markup=False)
 

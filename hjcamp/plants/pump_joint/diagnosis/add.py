@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hjcamp.errors import UsageError
+from hjcamp.errors import UsageError, unknown
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.declare.effect import Effect
 from hjcamp.plants.pump_joint.diagnosis.fitting.calibrate import calibrate
@@ -52,8 +52,6 @@ class Addition:
 
 def check_effects(names: Sequence[str], library: Mapping[str, type[Effect]], start: Candidate, model: str) -> None:
     """Refuse unknown effects, names given twice, and effects that the start model has already."""
-    from hjcamp.errors import unknown
-
     for name in names:
         if name not in library:
             raise unknown("effect", name, library)

@@ -13,8 +13,10 @@ from nidaqmx.errors import Error
 
 from hjcamp.errors import RigStopped, UsageError
 from hjcamp.plants.pump_joint.rig.left import LeftAt
-from hjcamp.plants.pump_joint.rig.limits import COMMAND_PHASE, LimitCheck
+from hjcamp.plants.pump_joint.rig.limits import COMMAND_PHASE, LimitCheck, limit_check, read_limits
 from hjcamp.plants.pump_joint.rig.tasks import AT_START, RigTasks, device_facts, first_line, last_words, not_written
+from hjcamp.plants.pump_joint.rig.wiring import read_wiring
+from hjcamp.storage import check_place
 
 DEGREE = pi / 180
 PERIOD = 1e-3
@@ -191,9 +193,7 @@ def open_check(config: Mapping[str, Any], seed: int | None, left: LeftAt) -> Ite
     from hjcamp.backends.rig.guard import require_guard
     from hjcamp.backends.rig.stop import while_moving
     from hjcamp.plants.pump_joint.rig.connection import connect
-    from hjcamp.plants.pump_joint.rig.limits import limit_check, read_limits
     from hjcamp.plants.pump_joint.rig.park import note_parked
-    from hjcamp.plants.pump_joint.rig.wiring import read_wiring
 
     wiring, limits = read_wiring(config), read_limits(config)
     with while_moving() as signals:
@@ -233,7 +233,6 @@ def check_rig(
     from hjcamp.plants.pump_joint.rig.check_stamp import stamp_path, write_stamp
     from hjcamp.plants.pump_joint.rig.lock import take_lock
     from hjcamp.plants.pump_joint.rig.reach import check_test
-    from hjcamp.storage import check_place
 
     if config["backend"]["name"] != "nidaqmx":
         raise UsageError("hjcamp rig check needs backend=nidaqmx")

@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from hjcamp.plants.pump_joint.sizing import actuators, dynamics, linkage, muscle, pulley, tubing
 from hjcamp.plants.pump_joint.sizing.units import SHOWN, in_si
 from hjcamp.yaml_file import read_yaml
@@ -54,14 +56,11 @@ def six_bar_range(rod: float, crank: float, offset: float, start: float) -> floa
 
 def six_bar_slope(rod: float, crank: float, offset: float, start: float) -> float:
     """Return dtheta/dx at rest, rad/m."""
-    import numpy as np
-
     return 1.0 / float(linkage.SixBar(rod, crank, offset, start).lever(np.zeros(())))
 
 
 def muscle_crossing(length: float, largest_diameter: float, membrane: float, bore: float, thread: float) -> float:
     """Return the contraction at which a muscle pulls as hard as a cylinder, m."""
-    import numpy as np
     from scipy.optimize import brentq
 
     one = muscle.Muscle(length, thread, largest_diameter / math.sin(muscle.FREE_ANGLE), membrane)

@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from hjcamp.storage import whole_file
+
 PICTURE = "cells.png"
 GOAL = 0.2  # of the mean absolute log ratio
 VERDICTS = {
@@ -171,7 +173,6 @@ def draw(found: Mapping[str, Any], path: Path) -> None:
     from matplotlib.figure import Figure
 
     from hjcamp.report.pictures.conditions import own_settings
-    from hjcamp.storage import whole_file
 
     if not (groups := _drawn(found)):
         return

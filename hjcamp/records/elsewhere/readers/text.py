@@ -11,6 +11,7 @@ from hjcamp.errors import UsageError
 from hjcamp.records.elsewhere.cells import numbers_of
 from hjcamp.records.elsewhere.import_map import ImportMap
 from hjcamp.records.elsewhere.reader import MOST_COLUMNS, Column, Reader, Table, check_width, first_line
+from hjcamp.records.elsewhere.readers import endings
 from hjcamp.records.elsewhere.text_head import head_of
 from hjcamp.records.elsewhere.text_pieces import numbers_in_pieces
 from hjcamp.records.elsewhere.text_table import BLANKS, dialect_of, most_cells, table_of, with_whole_quotes
@@ -43,8 +44,6 @@ class Text(Reader):
 
 def lines_of_text(source: Path) -> list[str]:
     """Return the lines of a file: UTF-8, else as Windows writes it (cp1252), where the degree sign is one byte."""
-    from hjcamp.records.elsewhere.readers import endings
-
     with source.open("rb") as stream:
         if b"\0" in stream.read(LOOKED_AT):
             listed = ", ".join(one for one in endings() if one not in Text.endings)
