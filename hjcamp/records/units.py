@@ -135,7 +135,12 @@ def conversion_to_field(field: Field, unit: str, where: str) -> Conversion:
 
 def is_unit(text: str) -> bool:
     """Whether a text is a unit that an import can convert from."""
-    return text.translate(WRITTEN) in _own_units() or _parsed(text) is not None
+    return is_own_unit(text) or _parsed(text) is not None
+
+
+def is_own_unit(text: str) -> bool:
+    """Whether a text is a unit of our own table."""
+    return text.translate(WRITTEN) in _own_units()
 
 
 @cache

@@ -17,6 +17,7 @@ from hjcamp.model.declare.plant import Plant
 from hjcamp.model.language.field_table import FieldTable, fields_of
 from hjcamp.model.language.field_unit import FIELD_UNITS, MEANT, unit_shown
 from hjcamp.records.elsewhere.import_map import OPEN, ColumnRule, ImportMap
+from hjcamp.records.elsewhere.map_values import HIGHEST_SAMPLING_HZ
 from hjcamp.records.elsewhere.reader import Column
 from hjcamp.records.elsewhere.readers import reader_of
 from hjcamp.records.elsewhere.tables import check_file, read_table
@@ -43,6 +44,9 @@ WORDS: dict[str, tuple[str, ...]] = {
 NAMED, SAME, SHARED, WORD, UNIT = 4.0, 3.0, 2.0, 1.5, 1.0
 CLEAR = 0.5  # a guess is made where it is that much better than the next
 FINEST_S = 0.2  # steps between rows that are seconds where nothing says the unit
+#: Units in which clocks of computers count from 1970 on, each with how many a second has; the years 2000 to 2100.
+SINCE_1970 = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
+THIS_CENTURY_S, SPREADSHEET_DAYS = (946_684_800.0, 4_102_444_800.0), (36_526.0, 73_051.0)
 
 
 @dataclass(frozen=True)
@@ -93,6 +97,8 @@ def _named(column: Column) -> _Named:
     label = column.said or column.name
     name, unit = unit_in(label)
     unit = column.unit if is_unit(column.unit) else unit
+    if unit in ("S", "MS", "US", "NS") and _words(name) & set(WORDS["s"]):
+        unit = unit.casefold()  # in capitals; a time is in no siemens
     if not unit:
         parts = re.split(r"[_ ]", name)
         for first in range(1, len(parts)):
@@ -169,10 +175,19 @@ def _unit(one: _Named, field: Field, source: Path, rules: ImportMap) -> str:
     if field.name == TIME:
         with suppress(UsageError):
             asked = replace(rules, rules={TIME: ColumnRule(one.column.name)}, interpolate=True)
-            step = float(np.median(np.diff(read_table(source, asked).columns[one.column.name])))
-            if 0.0 < step <= FINEST_S:
-                return "s"
+            return _unit_of_times(read_table(source, asked).columns[one.column.name])
     return OPEN
+
+
+def _unit_of_times(times: np.ndarray) -> str:
+    """Return the unit of times (rows,) that their values say: since 1970, days of a spreadsheet, seconds where rows are close."""
+    first, step = float(times[0]), float(np.median(np.diff(times)))
+    for unit, in_a_second in SINCE_1970.items():
+        if THIS_CENTURY_S[0] * in_a_second <= first < THIS_CENTURY_S[1] * in_a_second:
+            return unit
+    if SPREADSHEET_DAYS[0] <= first < SPREADSHEET_DAYS[1] and 0.0 < step < 1.0 / HIGHEST_SAMPLING_HZ:
+        return "day"
+    return "s" if 0.0 < step <= FINEST_S else OPEN
 
 
 def _written(

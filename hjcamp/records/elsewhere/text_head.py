@@ -8,17 +8,23 @@ from dataclasses import dataclass, field
 
 from hjcamp.records.elsewhere.reader import Column
 from hjcamp.records.elsewhere.text_table import BLANKS, REMARKS, SEPARATORS, cells_of
-from hjcamp.records.units import is_unit
+from hjcamp.records.units import is_own_unit, is_unit
 
 LOOKED_AT = 1000
 SEEN = 4  # rows in turn that look like rows
+ABOVE = 4  # lines above the rows that may hold names, units, types
 NO_READING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "---", "inf", "-inf", "true", "false", "on", "off")
-# A date or a time of day.
-TIME = re.compile(r"(?=.*\d)[\d:.,/TZ+\- ]+")
-#: How a unit stands behind a name: x [mm], x (mm), x {mm}, x, mm, x / mm.
-BRACKETED = re.compile(r"(?P<name>.*?)\s*[\[({<](?P<unit>[^\[\](){}<>]*)[\])}>]\s*")
+# A date or a time of day; with the names of months, days and halves of a day where it has a time.
+TIME = re.compile(r"(?=.*\d)[\d:.,/TZ+\- ]+|(?=.*\d:\d\d)[\w:.,/+\- ]+")
+#: How a unit stands behind a name: x [mm], x (mm), x (mm, absolute), x {mm}, x, mm, x / mm.
+BRACKETED = re.compile(r"(?P<name>.*?)\s*[\[({<](?P<unit>[^\[\](){}<>,;]*?)(?:(?:[,;]|\ssince\s)[^\[\](){}<>]*)?[\])}>]\s*")
 DIVIDED = re.compile(r"(?P<name>.*?)\s*(?:,\s+|\s/\s*|;\s*)(?P<unit>\S+)")
+COMPACT = re.compile(r"(?P<name>[^/]+)/(?P<unit>[^/\s]+)")
+NO_QUANTITY = "NAWKCJ"  # letters that are units, as in N/mm; x/mm, F/N and T/K are quantities by their units
 NONE = ("", "-", "1", "none", "na", "n/a")
+TYPES = re.compile(
+    r"(?:u?int|float|real|double|single|bool(?:ean)?|string|text|numeric|number|datetime|date|time)(?:8|16|32|64)?"
+)
 
 
 @dataclass(frozen=True)
@@ -36,31 +42,58 @@ def head_of(lines: Sequence[str], separator: str = "") -> Head:
     if not rows:
         return Head([])
     first, width, used = next((one for one in rows if one[1] > 1), rows[0])
-    above = [(number, cells) for number in range(first - 1, -1, -1) if (cells := _cells(lines[number], used)) != [""]]
-    headers = [(number, cells) for number, cells in above[:2] if len(cells) == width and any(cells)]
-    units = [""] * width
-    below = bool(len(headers) == 2 and above[0][0] == headers[0][0] and _are_units(headers[0][1]))
-    if below:
-        units = [cell.strip("[](){}") for cell in headers[0][1]]
-        headers = headers[1:]
-    elif len(headers) == 2:
-        headers = headers[:1]
-    names = headers[0][1] if headers and headers[0][0] >= first - 2 else []
-    plain = bool(names) and len(set(names)) == width and all(names) and not lines[headers[0][0]].lstrip().startswith(REMARKS)
-    if plain:
-        columns = [Column(name, unit or unit_in(name)[1]) for name, unit in zip(names, units, strict=True)]
+    labelled = [
+        (number, cells)
+        for number in _above(lines, first, used)
+        if (cells := _labels(lines[number], used, width, number == first - 1))
+    ]
+    names, units, plain, below = _names_and_units(labelled, first)
+    if plain and not lines[names[0]].lstrip().startswith(REMARKS) and _cells(lines[names[0]], used)[:width] == names[1]:
+        columns = [Column(name, unit or unit_in(name)[1]) for name, unit in zip(names[1], units or [""] * width, strict=True)]
         return Head(columns, {"units_below": True} if below else {})
-    said = names or _of_remark(lines[first - 1] if first else "", used, width)
+    said, units = names[1] or [""] * width, units or [""] * width
     columns = [Column(str(k + 1), units[k] or unit_in(said[k])[1], said=said[k]) for k in range(width)]
     return Head(columns, {"header": False, **({"skip_lines": first} if first else {})})
 
 
+def _names_and_units(
+    labelled: Sequence[tuple[int, list[str]]], first: int
+) -> tuple[tuple[int, list[str]], list[str], bool, bool]:
+    """Return the line of names with its cells, the units, whether an import finds that line by its names, whether units are below.
+
+    ``labelled`` are the lines above row ``first`` that have a cell for each column, the nearest one first: of those that are neither
+    units nor types the nearest one whose cells differ holds the names.
+    """
+    of_units = next((k for k, (_, cells) in enumerate(labelled[1:], 1) if _are_units(cells, all_of_them=True)), None)
+    if len(labelled) > 1 and _are_units(labelled[0][1]) and _are_names(labelled[1][1]):
+        of_units = 0
+    others = [
+        one for k, one in enumerate(labelled) if k != of_units and not all(TYPES.fullmatch(cell.casefold()) for cell in one[1])
+    ]
+    if not others or others[0][0] < first - ABOVE:
+        return (0, []), [], False, False
+    names = next((one for one in others if _are_names(one[1])), others[0])
+    units = [] if of_units is None else [cell.strip("[](){}") for cell in labelled[of_units][1]]
+    place = labelled.index(names)
+    below = of_units == 0 and place == 1
+    plain = _are_names(names[1]) and (place == 0 or below)
+    return names, units, plain, below
+
+
 def unit_in(label: str) -> tuple[str, str]:
-    """Return the name and the unit (empty: none) of a label such as ``x [mm]``, ``x (mm)``, ``x, mm``, ``x / mm`` or ``x_mm``."""
+    """Return the name and the unit (empty: none) of a label: ``x [mm]``, ``x (mm)``, ``x, mm``, ``x / mm``, ``x/mm``, ``v_m/s``."""
     for pattern in (BRACKETED, DIVIDED):
         found = pattern.fullmatch(label)
-        if found and (is_unit(found["unit"]) or found["unit"].strip() in NONE):
-            return found["name"], found["unit"].strip()
+        unit = found["unit"].strip() if found else ""
+        if found and (is_unit(unit) or unit in NONE):
+            return found["name"], unit
+        if found and label.isupper() and is_unit(unit.casefold()):
+            return found["name"], unit.casefold()
+    found = COMPACT.fullmatch(label)
+    alone = is_own_unit(label) or bool(found and is_unit(label) and (len(found["name"]) > 1 or found["name"] in NO_QUANTITY))
+    if found and not alone and is_unit(found["unit"]):
+        name, _, end = found["name"].replace(" ", "_").rpartition("_")
+        return (name, f"{end}/{found['unit']}") if name and is_unit(end) else (found["name"], found["unit"])
     return label, ""
 
 
@@ -71,21 +104,22 @@ def _first_rows(lines: Sequence[str], separator: str) -> tuple[int, int]:
     for at, k in enumerate(filled):
         some = [cells[j] for j in filled[at : at + SEEN]]
         several = separator == BLANKS or len(cells[k]) > 1 or len(filled) == len(some)
-        if several and len({len(one) for one in some}) == 1 and all(_is_row(one, separator) for one in some):
+        if several and len({len(one) for one in some}) == 1 and all(_is_row(one) for one in some):
             return k, len(cells[k])
     return 0, 0
 
 
-def _is_row(cells: list[str], separator: str) -> bool:
-    numbers = [_is_number(cell, separator) for cell in cells]
+def _is_row(cells: list[str]) -> bool:
+    numbers = [_is_number(cell) for cell in cells]
     return any(numbers) and all(
         number or cell.casefold() in NO_READING or TIME.fullmatch(cell) for number, cell in zip(numbers, cells, strict=True)
     )
 
 
-def _is_number(cell: str, separator: str) -> bool:
+def _is_number(cell: str) -> bool:
+    # between commas as separators a cell with a comma was quoted
     try:
-        float(cell if separator == "," else cell.replace(",", "."))
+        float(cell.replace(",", "."))
     except ValueError:
         return False
     return True
@@ -96,14 +130,38 @@ def _cells(line: str, separator: str) -> list[str]:
     return found[:-1] if len(found) > 1 and not found[-1] and separator != BLANKS else found
 
 
-def _are_units(cells: list[str]) -> bool:
-    """Whether the cells below a header are units: most of those that hold anything."""
-    said = [cell.strip("[](){}") for cell in cells]
-    return sum(is_unit(one) for one in said if one not in NONE) >= max(1, 0.5 * sum(one not in NONE for one in said))
+def _above(lines: Sequence[str], first: int, separator: str) -> list[int]:
+    """Return the lines above the first row up to one without any value, at most ``ABOVE``; one such may stand right above the row."""
+    found: list[int] = []
+    for number in range(first - 1, max(first - 2 - ABOVE, -1), -1):
+        if not any(_cells(lines[number], separator)) and number < first - 1:
+            break
+        found += [number] if any(_cells(lines[number], separator)) else []
+    return found[:ABOVE]
 
 
-def _of_remark(line: str, separator: str, width: int) -> list[str]:
-    """Return the names in a remark above rows, such as ``# t x u``."""
-    text = line.strip().lstrip("".join(REMARKS)).strip()
-    found = [_cells(text, one) for one in (separator, *SEPARATORS, BLANKS) if text]
-    return next((one for one in found if len(one) == width), [""] * width)
+def _are_names(cells: list[str]) -> bool:
+    return all(cells) and len(set(cells)) == len(cells)
+
+
+def _are_units(cells: list[str], all_of_them: bool = False) -> bool:
+    """Whether cells next to a header are units: most of those that hold anything, or all of them."""
+    said = [one for cell in cells if (one := cell.strip("[](){}")) not in NONE]
+    share = 1.0 if all_of_them else 0.5
+    return sum(is_unit(one) for one in said) >= max(1, share * len(said))
+
+
+def _labels(line: str, separator: str, width: int, nearest: bool) -> list[str]:
+    """Return the cells of a line above the rows, one for each column; none where it has not so many.
+
+    A remark, and the line right above the rows, may have another separator; between blanks a unit in brackets is a cell by itself.
+    """
+    remark = line.lstrip().startswith(REMARKS)
+    text = line.strip().lstrip("".join(REMARKS)).strip() if remark else line
+    for one in (separator, *SEPARATORS, BLANKS) if remark or nearest else (separator,):
+        found = _cells(text, one)
+        if one == BLANKS and len(found) == 2 * width and all(cell[0] in "[({<" for cell in found[1::2]):
+            return [f"{name} {unit}" for name, unit in zip(found[::2], found[1::2], strict=True)]
+        if len(found) == width or (nearest and one == separator != BLANKS and len(found) == width + 1):
+            return found[:width] if any(found) else []
+    return []

@@ -48,7 +48,7 @@ def table_of(lines: Sequence[str], names: Collection[str], comment: str | None =
         )
         first = next(headers, 0)
     kept = [line for line in lines[first:] if line.strip()]
-    while len(kept) > 1 and not kept[-1].strip(EMPTY):
+    while len(kept) > 1 and (not kept[-1].strip(EMPTY) or _ends_it(kept)):
         kept.pop()
     rows = [line for line in kept if not (comment and line.startswith(comment))][1:]
     for one in SEPARATORS:
@@ -96,6 +96,15 @@ def with_whole_quotes(lines: list[str], separator: str) -> list[str]:
     if not any('"' in cell and '""' not in line for line in lines if '"' in line for cell in cells_of(line, separator)):
         return lines
     return [separator.join('"' + cell.replace('"', '""') + '"' for cell in cells_of(line, separator)) for line in lines]
+
+
+def _ends_it(kept: Sequence[str]) -> bool:
+    """Whether the last line is words below a table, such as *End of data*: no cells, and no number."""
+    last, before = kept[-1], kept[-2]
+    divided = [one for one in SEPARATORS if one in before]
+    return (
+        bool(divided) and not any(one in last for one in divided) and any(map(str.isalpha, last)) and not re.search(r"\d", last)
+    )
 
 
 def _has(line: str, names: Collection[str], separator: str) -> bool:

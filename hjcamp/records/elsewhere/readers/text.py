@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import io
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     import polars
 
 LOOKED_AT = 4096
+MINUS = "\N{MINUS SIGN}"  # as typesetting programs write it
 
 
 class Text(Reader):
@@ -43,17 +45,19 @@ class Text(Reader):
 
 
 def lines_of_text(source: Path) -> list[str]:
-    """Return the lines of a file: UTF-8, else as Windows writes it (cp1252), where the degree sign is one byte."""
+    """Return the lines of a file: UTF-8, UTF-16 with its mark, else cp1252, as Windows writes it."""
     with source.open("rb") as stream:
-        if b"\0" in stream.read(LOOKED_AT):
-            listed = ", ".join(one for one in endings() if one not in Text.endings)
-            raise UsageError(f"{source}: this is no table of text in UTF-8; those, {listed} can be read")
+        begin = stream.read(LOOKED_AT)
+    wide = begin.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) and "\0" not in begin.decode("utf-16", "replace")
+    if b"\0" in begin and not wide:
+        listed = ", ".join(one for one in endings() if one not in Text.endings)
+        raise UsageError(f"{source}: this is no table of text in UTF-8; those, {listed} can be read")
     content = source.read_bytes()
     try:
-        text = content.decode("utf-8-sig")
+        text = content.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
-        text = content.decode("cp1252", "replace")
-    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+        text = content.decode("utf-16" if wide else "cp1252", "replace")
+    return text.replace("\r\n", "\n").replace("\r", "\n").replace(MINUS, "-").split("\n")
 
 
 def table_of_lines(
