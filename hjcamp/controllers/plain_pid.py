@@ -23,6 +23,7 @@ class PlainPid(Controller):
 
     samples: ClassVar[tuple[str, ...]] = ("reference", "measured", "period", "index")
     results = ("output",)
+    tuned: ClassVar[tuple[str, ...]] = ("kp", "ki", "kd")
 
     kp = Parameter("1", 1.0, (-1e12, 1e12), text="proportional gain: input for one unit of the channel")
     ki = Parameter("1/s", 0.0, (-1e12, 1e12), text="integral gain")

@@ -69,6 +69,9 @@ def _without_replaced(fixed: dict[str, Any], user: Sequence[Override], composer:
             # Parameters fixed for the choice that the user replaced mean nothing for the new choice.
             inside = key.replace("/", ".") + "."
             kept = {name: value for name, value in kept.items() if not name.startswith(inside) or key not in fixed}
+            if "/" in key and not item.is_delete():
+                again = composer.set_by(key, str(item.value()))
+                kept = {name: value for name, value in kept.items() if not {name, name.rpartition(".")[0]} & again}
     return kept
 
 

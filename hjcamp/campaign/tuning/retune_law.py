@@ -50,8 +50,8 @@ def tracking_error(config: Mapping[str, Any], seed: int) -> float:
 def retune_law(conditions: Sequence[Condition], tests: Sequence[PlannedTest], seed: int) -> RetunedLaw:
     """Return the ``tuned`` parameters of the law that ``conditions`` share with the smallest mean error over their tests.
 
-    Differential evolution in the logarithms from the law's defaults, each between a third and three times that;
-    then a simplex. Tests are simulated with their own seeds and scatter. The same ``seed`` gives the same parameters.
+    Differential evolution in the logarithms from the values of the first condition, each between a third and three times that
+    (what is 0 stays so), then a simplex. Tests are simulated with their own seeds and scatter. The same ``seed`` gives the same values.
     Raises ``UsageError`` for conditions with different laws, and for a law without anything to tune.
     """
     from scipy.optimize import differential_evolution, minimize
@@ -62,7 +62,10 @@ def retune_law(conditions: Sequence[Condition], tests: Sequence[PlannedTest], se
         raise UsageError("the conditions have different controllers; give controller=NAME, or vary it in the campaign")
     if not law.tuned:
         raise UsageError(f"controller {law.name} has nothing to tune; its class says what with tuned = (...)")
-    start = {name: law.parameters[name].default for name in law.tuned}
+    given = plant_simulation.law_values(conditions[0].config, law)
+    start = {name: given[name] for name in law.tuned if given[name]}
+    if not start:
+        raise UsageError(f"controller {law.name}: {', '.join(law.tuned)} are 0; a search in factors begins at other values")
     base = np.array(list(start.values()))
     runs = [(configs[test.condition], test.seed) for test in tests if test.condition in configs]
     limit, count = math.log(FACTOR), 0

@@ -121,6 +121,7 @@ def call_hydra(arguments: list[str], yes: bool = False) -> None:
         else:
             # Hydra reads the same files: what it would stumble over is said here.
             Composer(folder=folder).compose([str(line.input_line) for line in own])
+        overrides = Composer(folder=folder).fitted(overrides)
     # They would say each job's overrides in a line with the time; `job` says what it found.
     for name in ("hydra", "hydra_plugins"):
         logging.getLogger(name).setLevel(logging.WARNING)
