@@ -31,6 +31,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from hjcamp.configuration import hydra_plugins
 from hjcamp.configuration.explain import explain
+from hjcamp.configuration.fitted import fitted
 from hjcamp.configuration.overrides import parse_overrides
 from hjcamp.configuration.search_path import packaged_root
 from hjcamp.configuration.shared_parts import parts_of
@@ -137,7 +138,7 @@ class Composer:
         check_overrides(overrides, parse_overrides)
         self.refuse_bundles(overrides)
         self._refuse_unfit(overrides)
-        overrides = self.fitted(overrides)
+        overrides = fitted(overrides, self)
         try:
             found = self._variations.compose([_parsed(line) for line in overrides])
             return self._named(found.config, found.choices)
@@ -177,38 +178,11 @@ class Composer:
             config["rig"] = rig_of_plant(config["rig"], str(config["plant"].get("name")))
         return Composition(config, choices)
 
-    def fitted(self, overrides: Sequence[str]) -> list[str]:
-        """Return the overrides with Hydra's ``+`` and ``++`` where it needs them because of what a campaign, or a choice, says.
-
-        A group within a group (controller/gains) is new where the choice of that has none. A parameter of a controller that a campaign
-        chooses is not known before its conditions are made; those are checked.
-        """
-        keys = [line.partition("=")[0] for line in overrides]
-        bare = [key.lstrip("+") for key in keys]
-        within = [key[:1] != "~" and "/" in key and self.is_group(key) for key in bare]
-        by_campaign = any(key == "campaign" for key in keys)
-        loose = [by_campaign and key[:1] not in "+~" and self.is_group(key.partition(".")[0]) and "." in key for key in keys]
-        if not any(within) and not any(loose):
-            return list(overrides)
-        chosen = [
-            line
-            for key, line in zip(keys, overrides, strict=True)
-            if "/" not in key and line[len(key) + 1 :] in self.options(key)
-        ]
-        known = self.compose(chosen)
-
-        def marked(line: str, key: str, inner: bool, own: bool) -> str:
-            if inner:
-                return ("" if key in known.choices else "+") + line.lstrip("+")
-            return f"++{line}" if own and not _holds(known.config, key) else line
-
-        return [marked(*one) for one in zip(overrides, bare, within, loose, strict=True)]
-
     def set_by(self, group: str, choice: str) -> set[str]:
         """Return the parameters that a choice of a group within a group sets, with the group's name before each."""
         found = self._loader.repository.load_config(f"{group}/{choice}")
         names = found.config if found is not None and isinstance(found.config, DictConfig) else ()
-        return {f"{group.rpartition('/')[0].replace('/', '.')}.{name}" for name in names}
+        return {f"{group.rpartition('/')[0].replace('/', '.')}.{name!s}" for name in names}
 
     def _refuse_unfit(self, overrides: Sequence[str]) -> None:
         """Raise ``UsageError`` for a controller that does not fit the plant: its values may follow hardware that is not there."""
@@ -338,16 +312,6 @@ def _circle(error: RecursionError) -> list[str]:
     frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
     paths = [frame.f_locals.get("path") for frame in frames if frame.f_code.co_name == "_create_defaults_tree_impl"]
     return sorted({path for path in paths if isinstance(path, str) and paths.count(path) > 2})
-
-
-def _holds(config: Mapping[str, Any], key: str) -> bool:
-    """Return whether a configuration has a parameter, by its dotted key."""
-    place: Any = config
-    for part in key.split("."):
-        if not isinstance(place, Mapping) or part not in place:
-            return False
-        place = place[part]
-    return True
 
 
 def as_override(key: str, value: Any) -> str:

@@ -95,6 +95,7 @@ def call_hydra(arguments: list[str], yes: bool = False) -> None:
     from hjcamp.campaign.plan.sweep import read_sweep
     from hjcamp.configuration.composer import COMPOSE_ERRORS, Composer, free
     from hjcamp.configuration.explain import explain
+    from hjcamp.configuration.fitted import fitted
     from hjcamp.configuration.overrides import key_of, parse_overrides
     from hjcamp.configuration.search_path import packaged_root
     from hjcamp.configuration.trust import check_overrides
@@ -121,7 +122,7 @@ def call_hydra(arguments: list[str], yes: bool = False) -> None:
         else:
             # Hydra reads the same files: what it would stumble over is said here.
             Composer(folder=folder).compose([str(line.input_line) for line in own])
-        overrides = Composer(folder=folder).fitted(overrides)
+        overrides = fitted(overrides, Composer(folder=folder))
     # They would say each job's overrides in a line with the time; `job` says what it found.
     for name in ("hydra", "hydra_plugins"):
         logging.getLogger(name).setLevel(logging.WARNING)

@@ -11,9 +11,10 @@ import pytest
 
 from hjcamp.campaign.tuning import retune_law
 from hjcamp.cli import run
-from hjcamp.commands.plan import compose_plan
+from hjcamp.commands.campaigns.plan import compose_plan
 from hjcamp.commands.shared.plant_template import TEMPLATE
 from hjcamp.configuration.composer import Composer
+from hjcamp.configuration.fitted import fitted
 
 CAMPAIGN = """description: a carriage that follows a sine
 fixed:
@@ -115,6 +116,6 @@ def test_gains_of_nothing_are_not_tuned(folder: Path, capsys: pytest.CaptureFixt
 
 def test_hydras_own_sign_is_put_where_a_choice_lacks_the_group(folder: Path) -> None:
     composer = Composer()
-    assert composer.fitted(["controller/gains=mine"]) == ["controller/gains=mine"]
-    assert composer.fitted(["plant=carriage", "controller=plain_pid", "controller/gains=mine"])[-1] == "+controller/gains=mine"
-    assert composer.fitted(["controller=pid", "+controller/gains=mine"])[-1] == "controller/gains=mine"
+    assert fitted(["controller/gains=mine"], composer) == ["controller/gains=mine"]
+    assert fitted(["plant=carriage", "controller=plain_pid", "controller/gains=mine"], composer)[-1] == "+controller/gains=mine"
+    assert fitted(["controller=pid", "+controller/gains=mine"], composer)[-1] == "controller/gains=mine"
