@@ -11,6 +11,7 @@ import numpy as np
 import yaml
 
 from hjcamp.backends.plant_simulation import followed_unit, input_field, law_of, model_of, reference_of
+from hjcamp.backends.schedule import schedule_of
 from hjcamp.controllers.fit import commanded, measured_fields
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import plant_of
@@ -71,16 +72,19 @@ def _table(condition: Condition, plant: type[Plant]) -> tuple[list[str], str]:
     law, chosen = law_of(config)
     reference, _ = reference_of(config, plant)
     field, unit = followed_unit(config, plant)
-    rest, after = (round(float(config["procedure"][key]) * 1e-3 / plant.period) for key in ("rest_ms", "after_ms"))
+    inputs = list(commanded(law, plant, chosen))
+    times = schedule_of(config, plant, inputs, len(reference))
+    rest, after = times.first, len(times.phases) - times.last
     followed = reference[:, 0] * unit.scale
     if law.results == ("given",):
-        inputs = list(commanded(law, plant, chosen))
         columns = [input_field(plant, name) for name in inputs]
-        ends = 0.0, 0.0  # before and after nothing is commanded
+        ends = 0.0, 0.0  # before and after nothing is commanded but by phases
         others = [name for name in plant.given_inputs() if name not in inputs]
     else:
         columns, ends, others = [f"reference_{field}"], (followed[0], followed[-1]), []
     values = np.concatenate([np.full(rest, ends[0]), followed, np.full(after, ends[1])])
+    if law.results == ("given",) and inputs:
+        values = times.along(values / unit.scale) * unit.scale
     time = np.arange(len(values)) * plant.period
     found = {"time_s": time, **dict.fromkeys(columns, values)}
     for name in others:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.backends.schedule import schedule_of
 from hjcamp.controllers import find_controller
 from hjcamp.controllers.controller import Controller
 from hjcamp.controllers.fit import commanded, controlled_field, input_field, measured_fields, quantity, sources
@@ -26,17 +27,17 @@ from hjcamp.model.run.simulator import Simulator
 from hjcamp.trajectories import build_trajectory
 
 Array = NDArray[np.float64]
-REST, CONTROL, AFTER = 2.0, 3.0, 4.0
 
 
 @dataclass(frozen=True)
 class Prepared:
-    """All that one test needs: the simulator, its parameter vector, the start of the plant's states, and the test."""
+    """All that one test needs: the simulator, its parameter vector, the start of the plant's states, the test, its phases (n,)."""
 
     simulator: LoopSimulator
     p: Array
     start: dict[str, float]
     test: LoopTest
+    phases: Array
 
 
 def plant_in(config: Mapping[str, Any]) -> type[Plant]:
@@ -124,8 +125,8 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
     p = simulator.vector(values)
     known = dict(zip(simulator.composition.parameters, p, strict=True))
     reference, direction = reference_of(config, plant)
-    rest, after = (round(float(config["procedure"][key]) * 1e-3 / plant.period) for key in ("rest_ms", "after_ms"))
-    rows = np.clip(np.arange(rest + len(reference) + after) - rest, 0, len(reference) - 1)
+    times = schedule_of(config, plant, [name for name, _ in simulator.sums], len(reference))
+    rows = np.clip(np.arange(len(times.phases)) - times.first, 0, len(reference) - 1)
     gains = law_values(config, law)
     if "first_direction" in gains:
         gains["first_direction"] = direction
@@ -137,16 +138,16 @@ def prepare(config: Mapping[str, Any], seed: int) -> Prepared:
     late = np.array([max(delays.get(name, 0.0), 0.0) for name in simulator.composition.inputs]) / plant.period
     test = LoopTest(
         control=law.vector(gains),
-        first=rest,
-        last=rest + len(reference),
-        reference=reference[rows],
+        first=times.first,
+        last=times.last,
+        reference=np.hstack([reference[rows], times.driven]) if simulator.phased else reference[rows],
         inputs=random.inputs,
         late=late,
         counts=random.counts,
         phases=random.phases,
         noise=random.noise,
     )
-    return Prepared(simulator, p, random.start, test)
+    return Prepared(simulator, p, random.start, test, times.phases)
 
 
 def inverted(config: Mapping[str, Any], reference: Array) -> Array:
@@ -243,7 +244,7 @@ def run_test(config: Mapping[str, Any], seed: int) -> tuple[dict[str, Array], di
 def log_columns(config: Mapping[str, Any], prepared: Prepared, recorded: Mapping[str, Array]) -> dict[str, Array]:
     """Return what was recorded under the names and in the units of the plant's fields."""
     test, place = prepared.test, np.arange(len(prepared.test.inputs))
-    known = {**recorded, "phase": np.where(place < test.first, REST, np.where(place < test.last, CONTROL, AFTER))}
+    known = {**recorded, "phase": prepared.phases}
     known["reference"] = test.reference[:, 0]
     found = {"time_s": (place - test.first) * prepared.simulator.composition.plant.period}
     found |= {name: known[source] * scale for name, (source, scale) in log_sources(config, prepared.simulator).items()}

@@ -47,7 +47,7 @@ from hjcamp.rigs import OWN_RIGS
 WITHOUT_KEY = ("campaign", "plant")
 COMPOSE_ERRORS = (HydraException, OmegaConfBaseException, yaml.YAMLError, ValueError, TypeError, AssertionError, RecursionError)
 MAIN = "config"
-FREE_KEYS = ("effects.", "model.effects.", "model.parameters.", "parameters.", "start.")
+FREE_KEYS = ("procedure.phases.", "effects.", "model.effects.", "model.parameters.", "parameters.", "start.")
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from hjcamp.backends.plant_simulation import followed_unit, model_of, plant_in
+from pydantic import Field
+
+from hjcamp.backends.plant_simulation import followed_unit, law_of, model_of, plant_in
+from hjcamp.backends.schedule import schedule_of
 from hjcamp.configuration.file_models import SavedModel
 from hjcamp.controllers import find_controller, load_controllers
 from hjcamp.controllers.controller import Controller
-from hjcamp.controllers.fit import check_fits, fitting
+from hjcamp.controllers.fit import check_fits, commanded, fitting
 from hjcamp.controllers.schema import controller_schema
 from hjcamp.effects import chosen_effects
 from hjcamp.errors import UsageError, shown, unknown
@@ -48,11 +51,15 @@ class PlantRig(Group):
 
 
 class PlantProcedure(Group):
-    """What is around the command phase: rest before and after it, with no command."""
+    """What is around the command phase: rest before and after it, with no command, or that of the phase before.
+
+    ``phases`` changes what the plant declares: for each by its name ``seconds``, and where inputs go.
+    """
 
     name: str
     rest_ms: float = between(0.0, 600_000.0)
     after_ms: float = between(0.0, 600_000.0)
+    phases: dict[str, Any] = Field(default={})
 
 
 def plant_settings(name: str) -> dict[str, Any]:
@@ -107,6 +114,8 @@ def check_plant_configuration(config: Mapping[str, Any], further_keys: tuple[str
         )
     checked(PlantProcedure, config["procedure"], "procedure")
     check_plant_controller(config["controller"], plant)
+    law, chosen = law_of(config)
+    schedule_of(config, plant, list(commanded(law, plant, chosen)), 1)
     _, unit = followed_unit(config, plant)
     build_trajectory(config["trajectory"], unit=unit)
     check_values(config, plant)

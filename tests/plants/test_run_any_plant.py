@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hjcamp import cli
-from hjcamp.backends import plant_simulation
+from hjcamp.backends import plant_simulation, schedule
 from hjcamp.configuration.check import check_configuration
 from hjcamp.configuration.composer import Composer, free
 from hjcamp.errors import UsageError
@@ -210,7 +210,7 @@ def test_a_plant_without_inputs_moves_by_itself(bench: Path, capsys: pytest.Capt
     # a damped oscillation: decay b / 2 J, frequency sqrt(m g l / J - decay^2)
     decay = 2e-5 / 2e-4
     turn = np.sqrt(1e-2 / 1e-4 - decay**2)
-    inside = (time >= 0.0) & (columns["phase"] == plant_simulation.CONTROL)
+    inside = (time >= 0.0) & (columns["phase"] == schedule.CONTROL)
     since = time - time[0]
     expected = 0.5 * np.exp(-decay * since) * (np.cos(turn * since) + decay / turn * np.sin(turn * since))
     np.testing.assert_allclose(angle[inside], expected[inside], atol=2e-5)

@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from hjcamp.backends.plant_simulation import plant_in
+from hjcamp.backends.schedule import phases_of
 from hjcamp.errors import UsageError, shown
 
 UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
@@ -28,7 +31,9 @@ def seconds_of(text: str) -> float:
 def planned_seconds(config: Mapping[str, Any], motion_s: float) -> float:
     """Return how long one test takes: its motion, and the rests before and after it where its procedure has them."""
     procedure = config.get("procedure") or {}
-    return motion_s + 1e-3 * sum(float(procedure.get(key) or 0.0) for key in ("rest_ms", "after_ms"))
+    rests = 1e-3 * sum(float(procedure.get(key) or 0.0) for key in ("rest_ms", "after_ms"))
+    phases = chain(*phases_of(config, plant_in(config))) if config.get("plant") else ()
+    return motion_s + rests + sum(one.seconds for one in phases)
 
 
 def made_seconds(run: Path) -> float:

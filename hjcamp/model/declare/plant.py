@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from hjcamp.errors import UsageError, shown, unknown
-from hjcamp.model.declare.field import Field
+from hjcamp.model.declare.field import Field, Phase, check_phases
 from hjcamp.model.declare.instance import Instance
 from hjcamp.model.declare.law import Law
 from hjcamp.model.declare.own_names import refuse_own_names
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 # Whose controller holds the measured motion: one in the tests themselves, or somebody else's.
 LOOPS = ("own", "foreign")
 # What a user's file says of its plant beside states, inputs, parameters and readings.
-SETTABLE = ("period", "loop", "controlled", "one_of", "subsystems", "labels", "rooms")
+SETTABLE = ("phases_before", "phases_after", "period", "loop", "controlled", "one_of", "subsystems", "labels", "rooms")
 # What every plant's equations may use: the regime of its contact, the time, and what friction scatters by.
 # Of several contacts each has a regime of its own, ``drive.direction_NAME``.
 ALWAYS = {
@@ -50,6 +50,7 @@ class Plant:
     else is said; ``actuation`` is the law between what a controller returns and the inputs. What differs from test to test:
     friction by ``friction_varies``, starts by the ``scatter`` of a state, the ``drawn`` parameters.
     Lines that occur twice are written once, as a function: ``NAME = part(FUNCTION, ...)`` (see `hjcamp.model.declare.marks.part`).
+    ``phases_before`` and ``phases_after`` the motion of a test say what is commanded there (`hjcamp.model.declare.field.Phase`).
     ``fields`` of its logs follow from what is measured and given, unless it names them; ``one_of`` them a log must have.
     ``rooms`` are modules that do for this plant alone what the program does for any (`hjcamp.model.files.rooms`): what is done ->
     the module's name, or a file next to the plant's.
@@ -81,6 +82,9 @@ class Plant:
     actuation: ClassVar[type[Law] | None] = None
     friction_varies: ClassVar[FrictionScatter] = FrictionScatter()
     drawn: ClassVar[tuple[str, ...]] = ()
+    # Phases of every test before its motion and after it.
+    phases_before: ClassVar[tuple[Phase, ...]] = ()
+    phases_after: ClassVar[tuple[Phase, ...]] = ()
     # Configuration groups whose choices name the machine on which a log was made.
     rig: ClassVar[tuple[str, ...]] = ()
     # Those that say how the machine was set up for a test.
@@ -119,6 +123,9 @@ class Plant:
         for name in (*cls.states, *cls.parameters, *cls.inputs, *cls.measured):
             if hasattr(Plant, name):
                 raise UsageError(f"{cls.__name__}: '{name}' is a name that every plant has for itself; call this one otherwise")
+        check_phases(cls.phases_before, cls.phases_after, tuple(cls.given_inputs()), cls.period, cls.__name__)
+        if (cls.phases_before or cls.phases_after) and cls.actuation is not None:
+            raise UsageError(f"{cls.__name__}: phases command inputs, which its actuation does already; leave one of them out")
         refuse_own_names((*cls.states, *cls.parameters, *cls.inputs), cls.parameters, cls.__name__)
         if not cls.base_parameters:
             cls.base_parameters = tuple(name for name, item in cls.parameters.items() if item.base)

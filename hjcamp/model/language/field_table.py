@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from hjcamp.errors import UsageError, unknown
@@ -62,6 +62,14 @@ def fields_of(plant: type[Plant]) -> FieldTable:
     return FieldTable(plant.name, fields, plant.one_of)
 
 
+def _phase(plant: type[Plant]) -> Field:
+    """Return the field of the phases, by the names that the plant gives them."""
+    if not (plant.phases_before or plant.phases_after):
+        return PHASE
+    names = [*(f"{number} {one.name}" for number, one in enumerate(plant.phases_before)), "2 rest", "3 command and control"]
+    return replace(PHASE, text=", ".join([*names, *(f"4 {one.name}" for one in plant.phases_after)]))
+
+
 def _fields(plant: type[Plant]) -> Iterator[Field]:
     where = f"plant {plant.name}"
     sensors = [(one.field, one.required, "") for one in plant.channels] or [
@@ -69,7 +77,7 @@ def _fields(plant: type[Plant]) -> Iterator[Field]:
     ]
     measured = [Field(name, unit_of_field(name, where).shown, required, text) for name, required, text in sensors]
     references = [Field(f"reference_{one.name}", one.unit, False, f"what is wanted of {one.name}") for one in measured]
-    yield from (TIME, PHASE, *references, *measured)
+    yield from (TIME, _phase(plant), *references, *measured)
     for given in plant.given_inputs().values():
         # An input may be the column of something measured or wanted: that is said once.
         if given.field not in {one.name for one in (*references, *measured)}:

@@ -26,7 +26,8 @@ class LoopTest:
 
     The law runs from sample ``first`` to before ``last``. ``reference`` (n, columns): value, velocity, acceleration and what
     was planned; ``inputs`` (n, inputs) where nothing commands; ``late`` (inputs,) samples by which an input acts later than it
-    is recorded; ``counts``, ``phases`` (readings) and ``noise`` (n, readings).
+    is recorded; ``counts``, ``phases`` (readings) and ``noise`` (n, readings). With phases ``reference`` ends with two columns
+    for each commanded input: where it goes outside the law, and which part of the way it goes in this sample.
     """
 
     control: Array
@@ -76,6 +77,15 @@ class LoopSimulator(Simulator):
         moved = "" if self.actuation is None else law_source(self.actuation, "actuate")
         return law_source(self.law, "control") + moved + self._command()
 
+    @property
+    def phased(self) -> bool:
+        """Whether the plant declares what is commanded before or after the law: two more columns of the reference for each input."""
+        return bool(self.composition.plant.phases_before or self.composition.plant.phases_after)
+
+    def fresh_memory(self) -> Array:
+        """Return the memory of the law at the begin of a test, with what was commanded last where there are phases."""
+        return np.concatenate([self.law.fresh_memory(), np.zeros(len(self.sums) if self.phased else 0)])
+
     def actuator(self, p: Array) -> tuple[Array, Array]:
         """Return the parameters and the memory of the actuation; one number each where there is none."""
         moving = self.actuation
@@ -107,6 +117,15 @@ class LoopSimulator(Simulator):
             lines += [
                 f"u[{inputs.index(name)}] = {' + '.join(f'answer_{part}' for part in parts)}" for name, parts in self.sums
             ]
+        if self.phased:
+            held = len(self.law.fresh_memory())
+            for place, (name, _) in enumerate(self.sums):
+                asked, goal, last = f"u[{inputs.index(name)}]", 2 * (place - len(self.sums)), f"m[{held + place}]"
+                lines += [
+                    "if not running:",
+                    f"    {asked} = {last} + row[{goal + 1}] * (row[{goal}] - {last})",
+                    f"{last} = {asked}",
+                ]
         head = "@inlined\ndef command(running, time, index, row, seen, h, c, m, ap, am, record, u):\n"
         return head + "".join(f"    {line}\n" for line in lines) + "\n\n"
 
@@ -135,7 +154,7 @@ class LoopSimulator(Simulator):
         period = composition.plant.period
         self.kernel.run_loop(
             z, self.inputs(), p, *self.propagators(z, p), period, test.first, test.last, test.control,
-            self.law.fresh_memory(), ap, am, test.reference, test.inputs, test.late, test.counts, test.phases, test.noise, record, work,
+            self.fresh_memory(), ap, am, test.reference, test.inputs, test.late, test.counts, test.phases, test.noise, record, work,
         )  # fmt: skip
         if not np.isfinite(record).all():
             where = int(np.argmax(~np.all(np.isfinite(record), axis=1)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from hjcamp.backends.rig.any_plant.limits import PlantLimits, plant_watches
 from hjcamp.backends.rig.any_plant.loop import PlantLoop, Stopped, StoppedForGood
 from hjcamp.backends.rig.any_plant.session import (
     Session,
+    check_driven,
     check_start,
     guard_of,
     open_session,
@@ -29,6 +31,7 @@ from hjcamp.backends.rig.fault import RigFault
 from hjcamp.backends.rig.journal import Journal
 from hjcamp.backends.rig.stop import StopSignals, while_moving
 from hjcamp.backends.rig.timing import LoopTiming, undisturbed
+from hjcamp.backends.schedule import phases_of
 from hjcamp.controllers.fit import sources
 from hjcamp.errors import RigStopped
 from hjcamp.model.checks.watch import Watch
@@ -48,6 +51,7 @@ def check_test(config: Mapping[str, Any]) -> None:
     """Raise ``UsageError`` where wiring and limits of the rig do not reach what a test needs; nothing is opened."""
     rig = rig_in(config)
     wiring = wiring_of(rig, config)
+    check_driven(rig, wiring, [*chain(*phases_of(config, plant_in(config)))])
     if follows(config):
         check_start(plant_in(config), rig, wiring, prepare(config, 1).test.reference[:, 0])
 

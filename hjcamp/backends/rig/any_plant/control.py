@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hjcamp.backends.plant_simulation import AFTER, CONTROL, REST, Prepared
+from hjcamp.backends.plant_simulation import Prepared
 from hjcamp.model.compile.kernel_cache import load_kernel
 from hjcamp.model.language.amount_formula import MATHEMATICS
 from hjcamp.model.language.term_checks import check_law_compiles
@@ -32,7 +32,7 @@ def control_text(simulator: LoopSimulator) -> str:
 
 
 class PlantControl:
-    """Procedure and law of one test: rest, the law along the reference, rest."""
+    """Procedure and law of one test: phases and rest, the law along the reference, rest."""
 
     def __init__(self, prepared: Prepared) -> None:
         simulator, test = prepared.simulator, prepared.test
@@ -42,9 +42,9 @@ class PlantControl:
         self.period = simulator.composition.plant.period
         self.plant_inputs, self.readings = list(simulator.composition.inputs), list(simulator.composition.measured)
         self.law_results = simulator.law.results
-        self._test = test
+        self._test, self._phases = test, prepared.phases
         self._actuation = simulator.actuator(prepared.p)
-        self._memory = simulator.law.fresh_memory()
+        self._memory = simulator.fresh_memory()
         self.answers, self.inputs = np.zeros(len(simulator.law.results)), simulator.inputs()
         self._still = self.inputs.copy()
         self._warm_up()
@@ -58,7 +58,7 @@ class PlantControl:
 
     def phase(self, sample: int) -> float:
         """Return the phase of a sample."""
-        return REST if sample < self._test.first else CONTROL if sample < self._test.last else AFTER
+        return float(self._phases[min(sample, self.samples - 1)])
 
     def wanted(self, sample: int) -> float:
         """Return the reference at a sample, SI."""

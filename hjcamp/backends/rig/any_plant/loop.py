@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from hjcamp.backends.plant_simulation import CONTROL
 from hjcamp.backends.rig.any_plant.control import PlantControl
 from hjcamp.backends.rig.any_plant.driver import Driver, DriverFailed
 from hjcamp.backends.rig.any_plant.limits import PlantLimits
 from hjcamp.backends.rig.journal import Journal
 from hjcamp.backends.rig.timing import LoopTiming
+from hjcamp.backends.schedule import CONTROL
 from hjcamp.errors import HjcampError
 from hjcamp.rigs.fit import Wiring, scales
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +19,7 @@ from hjcamp.backends.rig.guard import Guard, named_interlock
 from hjcamp.backends.rig.lock import hold
 from hjcamp.controllers.fit import commanded, controlled_field
 from hjcamp.errors import UsageError
+from hjcamp.model.declare.field import Phase
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.files.user_file import file_of
 from hjcamp.rigs import find_rig
@@ -97,6 +98,19 @@ def check_start(plant: type[Plant], rig: Rig, wiring: Wiring, reference: Any) ->
         if not low <= value <= high:
             there = f"{limit.name} is limited to {low:g} to {high:g}"
             raise UsageError(f"rig '{rig.name}': the trajectory {words} {value:.4g} {limit.wire.unit}; {there}")
+
+
+def check_driven(rig: Rig, wiring: Wiring, phases: Iterable[Phase]) -> None:
+    """Raise ``UsageError``, with the numbers, for a phase that takes an input beyond what the rig gives."""
+    for limit in limits_of(wiring):
+        low, high = limit.clipped
+        for one in phases:
+            value = one.to.get(limit.wire.name, None)
+            if value is not None and not low <= (asked := value * abs(limit.wire.scale)) <= high:
+                raise UsageError(
+                    f"rig '{rig.name}': phase '{one.name}' takes {limit.name} to {asked:.4g} {limit.wire.unit}; "
+                    f"it is limited to {low:g} to {high:g}"
+                )
 
 
 @contextmanager
