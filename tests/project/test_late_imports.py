@@ -128,3 +128,10 @@ def test_what_is_loaded_before_anything_is_asked(call: str, own: int, foreign: s
     loaded = [name for name in done.stdout.splitlines()[-1].split() if name.partition(".")[0] not in sys.stdlib_module_names]
     assert len([name for name in loaded if name.partition(".")[0] == "hjcamp"]) <= own
     assert {name.partition(".")[0] for name in loaded} - {"hjcamp"} <= foreign
+
+
+def test_a_plan_loads_nothing_that_it_does_not_need(tmp_path: Path) -> None:
+    code = "import sys; from hjcamp import cli; cli.run(['plan', 'campaign=robustness_vertical']); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    loaded = {name.partition(".")[0] for name in done.stdout.splitlines()[-1].split()}
+    assert "hydra" in loaded and not loaded & {"pint", "scipy", "numba", "polars", "matplotlib", "mcap", "joblib"}

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from hjcamp.errors import UsageError
+from hjcamp.model.language.dimension import Dimension, product_of_units
 
 # Numbers that everyone writes without their unit.
 KNOWN_CONSTANTS = {9.81: "m/s^2", 9.80665: "m/s^2", 101325.0: "Pa"}
@@ -36,8 +37,11 @@ def _meant(unit: str) -> str:
 
 
 @functools.cache
-def dimension(unit: str) -> Any:
+def dimension(unit: str) -> Dimension:
     """Return the dimension of ``unit``; refuse an unknown unit and one that is not SI (mm, deg, bar)."""
+    # pint knows every unit, and takes half a second to be loaded
+    if (known := product_of_units(unit)) is not None:
+        return known
     registry = _registry()
     try:
         one = registry.Quantity(1.0, registry.parse_units(unit if unit != "1" else ""))
@@ -47,13 +51,13 @@ def dimension(unit: str) -> Any:
         raise UsageError(
             f"unit '{unit}' is not an SI unit{_meant(unit)}; inside the model everything is in SI units (m, rad, Pa, s)"
         )
-    return one.dimensionality
+    return Dimension({name: float(power) for name, power in one.dimensionality.items()})
 
 
 class Amount:
     """A value with its dimension. A ``literal`` takes the dimension of what it is added to or compared with."""
 
-    def __init__(self, value: float, dims: Any, literal: bool = False) -> None:
+    def __init__(self, value: float, dims: Dimension, literal: bool = False) -> None:
         self.value, self.dims, self.literal = value, dims, literal
 
     @staticmethod
@@ -68,7 +72,7 @@ class Amount:
         """Return ``other`` as an amount of the same dimension, or refuse it; ``self`` may be the literal."""
         found = Amount.of(other)
         if self.dims != found.dims and not self.literal and not found.literal:
-            raise UsageError(f"{doing} {text(self.dims)} and {text(found.dims)}")
+            raise UsageError(f"{doing} {self.dims} and {found.dims}")
         return found
 
     def _sum(self, other: Any, value: float, doing: str) -> Amount:
@@ -141,18 +145,8 @@ def pure(value: Any, what: str) -> float:
     """Return the value of an amount without dimension, or refuse it."""
     amount = Amount.of(value)
     if amount.dims != dimension("1") and not amount.literal:
-        raise UsageError(f"{what} must be a pure number, not {text(amount.dims)}")
+        raise UsageError(f"{what} must be a pure number, not {amount.dims}")
     return amount.value
-
-
-def text(dims: Any) -> str:
-    """Return a dimension in base units, such as ``kg*m/s^2``."""
-    names = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[current]": "A"}
-    names |= {"[temperature]": "K", "[substance]": "mol", "[luminosity]": "cd"}
-    over = [f"{names.get(key, key)}" + (f"^{power:g}" if power != 1 else "") for key, power in dims.items() if power > 0]
-    under = [f"{names.get(key, key)}" + (f"^{-power:g}" if power != -1 else "") for key, power in dims.items() if power < 0]
-    below = under[0] if len(under) == 1 else f"({'*'.join(under)})"
-    return ("*".join(over) or "1") + (f"/{below}" if under else "")
 
 
 def unit_product(powers: Iterable[tuple[str, float]]) -> str:

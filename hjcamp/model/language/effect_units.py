@@ -13,7 +13,7 @@ from hjcamp.model.declare.plant import Plant
 from hjcamp.model.files.time_limit import time_limit
 from hjcamp.model.files.user_file import is_users
 from hjcamp.model.language import term_checks
-from hjcamp.model.language.amount import Amount, dimension, text
+from hjcamp.model.language.amount import Amount, dimension
 from hjcamp.model.language.amount_formula import with_amounts
 from hjcamp.model.language.effect_names import check_effect
 from hjcamp.model.language.vocabulary import read_vocabulary
@@ -80,4 +80,4 @@ def _check_function(term: Term, unit: str, units: dict[str, str], where: str, sa
             continue
         # A bare 0.0 fits every slot.
         if result.dims != dimension(unit) and not (result.literal and result.value == 0.0):
-            raise UsageError(f"{where} gives {text(result.dims)}, but {said} {unit} = {text(dimension(unit))}")
+            raise UsageError(f"{where} gives {result.dims}, but {said} {unit} = {dimension(unit)}")

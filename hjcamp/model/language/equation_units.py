@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.declare.port import KINDS
-from hjcamp.model.language.amount import Amount, dimension, text
+from hjcamp.model.language.amount import Amount, dimension
 from hjcamp.model.language.amount_formula import MATHEMATICS, evaluated, names
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ class Units:
                 self._rate(one, amount, where)
                 self.scope[f"d_{one.target}"] = amount
                 continue
-            if one.unit and one.unit != text(amount.dims):
+            if one.unit and one.unit != str(amount.dims):
                 wanted = dimension(one.unit)
                 if wanted != amount.dims and not amount.literal:
                     raise UsageError(
@@ -158,7 +158,7 @@ class Units:
 
     def written(self, dims: Any) -> str:
         """Return a dimension as people write it: in the plant's own units where one or two of them make it."""
-        return self._written.get(dims) or self._ratio(dims) or text(dims)
+        return self._written.get(dims) or self._ratio(dims) or str(dims)
 
     def _ratio(self, dims: Any) -> str:
         """Return a dimension as a unit of the plant by another one's power, ``N/m^3``, or as one over it; else nothing."""
