@@ -58,8 +58,9 @@ class Variations:
         for override in overrides:
             if override.package is not None or override.is_hydra_override() or override.is_sweep_override():
                 raise NotJoinedError
-            if override.key_or_group == CAMPAIGN:
-                raise NotJoinedError  # what a campaign says is the business of every part
+        if any(override.key_or_group == CAMPAIGN for override in overrides):
+            return self._whole(overrides)  # what a campaign says is the business of every part
+        for override in overrides:
             if not self._is_group(override.key_or_group):
                 values.append(override)
             elif override.type == OverrideType.CHANGE and isinstance(override.value(), str):
@@ -83,6 +84,16 @@ class Variations:
         return Loaded(
             resolved(config, self._resolved), {name: choice for found in choices.values() for name, choice in found.items()}
         )
+
+    def _whole(self, overrides: Sequence[Override]) -> Loaded:
+        """Return what is composed of all overrides at once, with nothing joined."""
+        key = tuple(override.input_line or "" for override in overrides)
+        if key not in self._of_plants and key not in self._shared:
+            loaded = self._load(overrides)
+            known = self._of_plants if loaded.choices.get(PLANT) else self._shared
+            known[key] = loaded, frozenset()
+        loaded, _ = self._of_plants.get(key) or self._shared[key]
+        return Loaded(resolved(copy.deepcopy(loaded.config), self._resolved), dict(loaded.choices))
 
     def _together(self, plant: list[Override], chosen: Mapping[str, list[Override]]) -> list[list[str]]:
         """Return the groups whose choices change the same part of the configuration, together; others alone."""

@@ -70,6 +70,27 @@ def test_every_condition_of_a_campaign(composer: Composer, name: str, monkeypatc
         same(joined(composer, draft.overrides), by_hydra(composer, draft.overrides, monkeypatch))
 
 
+@pytest.mark.parametrize("name", CAMPAIGNS)
+def test_a_campaign_itself(composer: Composer, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = (f"campaign={name}",)
+    for _ in range(2):
+        same(joined(composer, lines), by_hydra(composer, lines, monkeypatch))
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("campaign=controllers", "controller.positive.kp=3", "payload=brass_8p5g"),
+        ("payload=brass_8p5g", "campaign=controllers", "++effects.leakage.conductance=1e-15"),
+        ("campaign=controllers", "~controller.positive.kp"),
+        ("campaign=controllers", "plant=two_pumps", "repetitions=2"),
+    ],
+    ids=" ".join,
+)
+def test_a_campaign_with_more(composer: Composer, lines: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
+    same(joined(composer, lines), by_hydra(composer, lines, monkeypatch))
+
+
 @pytest.mark.parametrize("name", OTHERS)
 def test_other_overrides(composer: Composer, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     same(joined(composer, OTHERS[name]), by_hydra(composer, OTHERS[name], monkeypatch))
@@ -78,7 +99,6 @@ def test_other_overrides(composer: Composer, name: str, monkeypatch: pytest.Monk
 @pytest.mark.parametrize(
     "line",
     [
-        "campaign=controllers",  # what a campaign says is the business of every part
         "~effects",
         "controller.positive=3",
         "+pump.bore_mm=3",
