@@ -6,17 +6,11 @@ import math
 import re
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, TypeVar
-
-import numpy as np
+from typing import Any
 
 from hjcamp.errors import UsageError, unknown
 from hjcamp.model.declare.field import Field
 from hjcamp.model.language.field_unit import FIELD_UNITS, unit_shown
-
-Number = TypeVar("Number", float, np.ndarray)
-
-PASCAL_PER_MEGAPASCAL = 1e6
 
 # Units that no field is named by, though people measure in them: their size in SI.
 RELATIVES: dict[str, dict[str, float]] = {
@@ -77,26 +71,6 @@ class Conversion:
 
     factor: float
     shift: float = 0.0
-
-
-def rad_from_deg(angle: Number) -> Number:
-    """Return an angle in rad of one in deg."""
-    return angle * (math.pi / 180.0)
-
-
-def deg_from_rad(angle: Number) -> Number:
-    """Return an angle in deg of one in rad."""
-    return angle * (180.0 / math.pi)
-
-
-def pa_from_mpa(pressure: Number) -> Number:
-    """Return a pressure in Pa of one in MPa."""
-    return pressure * PASCAL_PER_MEGAPASCAL
-
-
-def mpa_from_pa(pressure: Number) -> Number:
-    """Return a pressure in MPa of one in Pa."""
-    return pressure / PASCAL_PER_MEGAPASCAL
 
 
 def units_of(field: Field) -> dict[str, Conversion]:
