@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+import hjcamp.effects
 from hjcamp import cli
 from hjcamp.plants.pump_joint.tour import spindle
 
@@ -37,6 +38,14 @@ def short_recordings(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pyte
 
 
 @pytest.fixture
+def few_laws(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A library of four laws, the hidden one among them: that it is named among all is asked of the tour and the gallery."""
+    every = hjcamp.effects.effect_files()
+    few = {name: every[name] for name in ("quadratic_drag", "viscous_asymmetry", "gravity_load", "sensor_lag")}
+    monkeypatch.setattr(hjcamp.effects, "effect_files", lambda folders=None: few)
+
+
+@pytest.fixture
 def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let nothing be reached but this machine."""
     connect = socket.socket.connect
@@ -52,8 +61,14 @@ def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("no_network", "short_recordings")
 @pytest.mark.parametrize("heading", ["A model of something of your own", "At the bench", "In CI"])
 def test_the_five_commands_of_a_first_hour(
-    empty_folder: Path, heading: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    empty_folder: Path,
+    heading: str,
+    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    request: pytest.FixtureRequest,
 ) -> None:
+    if heading == "A model of something of your own":
+        request.getfixturevalue("few_laws")
     monkeypatch.setenv("HYDRA_FULL_ERROR", "1")
     for words in commands(heading):
         assert cli.run(words) == 0, f"{shlex.join(words)}: {capfd.readouterr().err}"
