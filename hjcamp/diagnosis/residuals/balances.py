@@ -22,14 +22,14 @@ from numpy.typing import NDArray
 
 from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.data.tests import Measured
+from hjcamp.diagnosis.residuals.gains import Gains, Rated
 from hjcamp.diagnosis.residuals.initial_states import best_sensors, estimated, on_sensors, rate_of, shown_by
 from hjcamp.diagnosis.residuals.kernels import Kernels
 from hjcamp.diagnosis.residuals.simulated import ZERO, Predicted
 from hjcamp.diagnosis.residuals.weak_form import ORDERS, slides, test_functions
-from hjcamp.model.declare.base_values import DELAY
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.language.vocabulary import read_vocabulary
-from hjcamp.model.run.rates import Along, Course
+from hjcamp.model.run.rates import Along
 
 Array = NDArray[np.float64]
 # Draws of the sensors' noise by which the noise of a balance is found, and what it is where nothing is missing.
@@ -89,11 +89,10 @@ class Balances:
         found.balanced = tuple(found._able(base, seen))
         if not found.balanced:
             return None
-        shown = predicted._replace(readings=predicted.readings - found._zeros(base))
+        shown = predicted._replace(readings=found._counted_paths(predicted.readings - found._zeros(base)))
         drawn = found._drawn(base, shown, DRAWS)
-        noise = np.std(drawn, axis=0, ddof=1)
-        usual = [np.median(column[mask]) if mask.any() else 1.0 for column, mask in zip(noise.T, (noise > 0.0).T, strict=True)]
-        found.scale = np.maximum(usual, 1e-300)
+        noise = np.var(drawn, axis=0, ddof=1)
+        found.scale = np.sqrt(np.maximum(np.sum(noise, axis=0) / np.maximum(np.sum(noise > 0.0, axis=0), 1), 1e-300))
         found.further = np.mean(drawn, axis=0) - np.mean(found._drawn(base, shown, 2, counted=False), axis=0)
         found.usual = found.usual_of(base, predicted)
         return found
@@ -105,6 +104,16 @@ class Balances:
         if predicted:
             raw = raw - self._of_sensors(candidate, predicted) - self._of_memory(candidate, predicted, usual)
         return np.asarray(raw / self.scale)
+
+    def _counted_paths(self, readings: Array) -> Array:
+        """Return predicted readings (n, sensors) with those measured where counts are most of the noise, as they are between counts.
+
+        How coarse a path is depends on where it went: a model that misses a slip counts nothing there.
+        """
+        layout, found, measured = self.layout, readings.copy(), self.layout.measured
+        for k in np.flatnonzero(measured.steps**2 / 6.0 > measured.noise**2):
+            found[:, k] = layout.joined([between_counts(test.readings[:, k]) for test in measured.tests])
+        return found
 
     def _zeros(self, candidate: Candidate) -> Array:
         """Return where counters begin to count (sensors,) in a candidate, SI."""
@@ -132,10 +141,10 @@ class Balances:
         predicted = predicted._replace(readings=predicted.readings - self._zeros(candidate))
         drawn = np.mean(self._drawn(plain, predicted, 2, counted=False), axis=0) + self.further
         states = np.where(np.isfinite(predicted.states), predicted.states, self.states)
-        rates = self._along(plain, states)
+        rates = self._rated(plain, states)
         simulated = self._of_rates(rates, states, predicted.ends)
         errs = len(plain.effects) < len(candidate.effects)
-        of_chain = drawn - (self._raw(plain, self._shown(predicted, rates)) if errs else self._of_rates(rates, states))
+        of_chain = drawn - (self._raw(plain, self._shown(predicted, rates.along)) if errs else self._of_rates(rates, states))
         of_chain[self._torn(predicted)] = 0.0
         return Usual(simulated + of_chain, simulated)
 
@@ -155,55 +164,22 @@ class Balances:
         names, contacts = list(plant.states), {one.velocity for one in read_vocabulary(plant).contacts}
         kinematic = set(rate_of(plant).values())
         usual = np.array([item.typical for item in plant.states.values()])
-        before = self._along(base, self.states).before
+        before = self._gains.along(base, self.states).before
         hidden = self.states.copy()
         hidden[:, ~seen] += 0.1 * usual[~seen]
-        moved = self._along(base, hidden).before if (~seen).any() else before
+        moved = self._gains.along(base, hidden).before if (~seen).any() else before
         # the friction of a contact, which no one knows while it is held, acts on whatever its side changes
-        braked = np.any(replace(self, moving=-self.moving)._along(base, self.states).before != before, axis=0)
+        braked = np.any(replace(self._gains, moving=-self.moving).along(base, self.states).before != before, axis=0)
         found = []
         for k, name in enumerate(names):
             if seen[k] and name not in kinematic and np.array_equal(moved[:, k], before[:, k]):
                 found.append(Balance(k, name, whole=name not in contacts and not braked[k]))
         return found
 
-    def _along(self, candidate: Candidate, states: Array) -> Along:
-        """Return the rates at given states (n, states)."""
-        layout = self.layout
-        model, values = self.kernels.model(candidate)
-        inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
-        if len(inputs) > len(states):
-            inputs = inputs.reshape(len(states), -1, inputs.shape[1]).mean(axis=1)
-        parts: list[tuple[slice | NDArray[np.bool_], Along]] = []
-        for given, windows in layout.groups:
-            rows = slice(None) if windows.all() else np.repeat(windows, layout.width)
-            p = model.vector({**values, **given})
-            begins, sides = self._begins[rows], self._direction[rows]
-            course = Course(layout.measured.period, begins, layout.time[rows], sides, states[rows], inputs[rows])
-            parts.append((rows, model.rates.along(p, course, frozenset(candidate.effects))))
-        if len(parts) == 1:
-            return parts[0][1]
-        whole = Along(*(np.empty((len(states), *one.shape[1:])) for one in parts[0][1]))
-        for rows, part in parts:
-            for into, own in zip(whole, part, strict=True):
-                into[rows] = own
-        return whole
-
     @cached_property
     def _errors(self) -> Array:
         """The standard deviation of each measured state (states,), SI."""
         return estimated(self.layout.measured)[1]
-
-    @cached_property
-    def _direction(self) -> Array:
-        return np.asarray(self.moving @ (3.0 ** np.arange(self.moving.shape[1])))
-
-    @cached_property
-    def _begins(self) -> NDArray[np.int64]:
-        """1 where effects begin as they declare, else 0 (n,)."""
-        found = np.zeros(len(self.states), dtype=np.int64)
-        found[:: self.layout.width] = self.layout.fresh
-        return found
 
     def _of_sensors(self, candidate: Candidate, predicted: Predicted) -> Array | float:
         """Return what the balances (windows, features) are by what a candidate's sensors err by, with a memory or without.
@@ -214,9 +190,9 @@ class Balances:
         if not names:
             return 0.0
         plain = candidate.without(names)
-        right = self._along(plain, predicted.states)
+        right = self._rated(plain, predicted.states)
         predicted = predicted._replace(readings=predicted.readings - self._zeros(candidate))
-        return self._raw(plain, self._shown(predicted, right)) - self._of_rates(right, predicted.states)
+        return self._raw(plain, self._shown(predicted, right.along)) - self._of_rates(right, predicted.states)
 
     def _shown(self, predicted: Predicted, right: Along) -> Array:
         """Return predicted states (n, states) as their sensors show them, errors and all; ``right`` has the readings without errors."""
@@ -250,45 +226,31 @@ class Balances:
         return self._raw(plain, predicted.states, predicted.ends) - usual.simulated
 
     def _raw(self, candidate: Candidate, states: Array, ends: Array | None = None) -> Array:
-        """Return the balances (windows, features) at states (n, states), each in the unit of its state.
+        """Return the balances (windows, features) at states (n, states), each in the unit of its state; ``ends`` as in `Gains.of`."""
+        return self._of_rates(self._rated(candidate, states), states, ends)
 
-        ``ends`` (windows, states) are where predicted states go on to, one sample behind a window; the next one begins elsewhere.
-        """
-        return self._of_rates(self._along(candidate, states), states, ends)
-
-    def _of_rates(self, along: Along, states: Array, ends: Array | None = None) -> Array:
+    def _of_rates(self, rated: Rated, states: Array, ends: Array | None = None) -> Array:
         """Return the balances (windows, features) of states (n, states) with these rates, see `_raw`."""
-        period, parts = self.layout.measured.period, []
+        parts = []
         for one in self.balanced:
-            x = states[:, one.state]
-            # what was gained in each sample beyond what the rate gives, 0 where nothing follows
-            rate = along.before[:, one.state].copy()
-            rate[:-1] += along.after[:-1, one.state]
-            step = np.append(np.diff(x), 0.0)
-            if ends is not None:
-                # where the next window does not begin by itself it goes on from there
-                apart = np.append(self.layout.begun[1:], True)
-                last = np.arange(self.layout.width - 1, len(x), self.layout.width)[apart]
-                step[last] = ends[apart, one.state] - x[last]
-            gained = step - 0.5 * period * rate
-            gained[self._last] = 0.0
+            gained = self._gains.of(one.state, rated, states, ends, by_position=one.whole)
             parts.append(np.einsum("wt,wtj->wj", gained.reshape(-1, self.layout.width), self._tests[one.name]))
             if one.whole:
                 parts.append(self._whole(gained)[:, None])
         return np.concatenate(parts, axis=1)
+
+    def _rated(self, candidate: Candidate, states: Array) -> Rated:
+        return self._gains.rated(candidate, states, sloping=any(one.whole for one in self.balanced))
+
+    @cached_property
+    def _gains(self) -> Gains:
+        return Gains(self.layout, self.kernels, self.moving)
 
     def _whole(self, gained: Array) -> Array:
         """Return the mean in each window of what adds up over its block (windows,), less the block's mean."""
         runs = np.cumsum(self.layout.fresh | np.append(True, np.diff(self.blocks) != 0)) - 1
         own = np.cumsum(gained).reshape(-1, self.layout.width).mean(axis=1)
         return np.asarray(own - (np.bincount(runs, own) / np.bincount(runs))[runs])
-
-    @cached_property
-    def _last(self) -> NDArray[np.bool_]:
-        """Whether a sample is the last of a run of windows (n,)."""
-        begins = np.zeros(len(self.states), dtype=bool)
-        begins[:: self.layout.width] = self.layout.fresh
-        return np.append(begins[1:], True)
 
     @cached_property
     def _tests(self) -> dict[str, Array]:
@@ -333,6 +295,14 @@ def _counted(readings: Array, steps: Array, phases: Array) -> Array:
     """Return readings (n, sensors) in whole steps (sensors,), 0 where none counts, that begin at phases (sensors,) of one step."""
     size = np.where(steps > 0.0, steps, 1.0)
     return np.where(steps > 0.0, (np.round(readings / size + phases) - phases) * size, readings)
+
+
+def between_counts(readings: Array) -> Array:
+    """Return the path (n,) of a counter: half way where its readings (n,) change, straight from there to the next change."""
+    changes = np.flatnonzero(np.diff(readings))
+    at = np.concatenate([[0.0], changes + 0.5, [len(readings) - 1.0]])
+    values = np.concatenate([readings[:1], 0.5 * (readings[changes] + readings[changes + 1]), readings[-1:]])
+    return np.asarray(np.interp(np.arange(len(readings)), at, values))
 
 
 def _known(layout: Layout, measured: Measured) -> Array:
