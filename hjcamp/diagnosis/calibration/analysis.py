@@ -112,7 +112,7 @@ def calibrated(
     take_one_thread()
     known, both = known or Known(), {**library, **(forms or {})}
     unnamed = frozenset(name for name, effect in both.items() if name not in library or not effect.claimed)
-    base, free = _free_base(measured, start.base if start else {})
+    base, free = free_base(measured, start.base if start else {})
     candidate = Candidate({**base, **(start.base if start else {})}, start.effects if start else {})
     kernels = _compiled_ahead(measured.plant, both, unknowns)
     before = candidate.with_base(known.base)
@@ -156,7 +156,7 @@ def _compiled_ahead(plant: type[Plant], effects: Mapping[str, type[Effect]], unk
     return kernels
 
 
-def _free_base(measured: Measured, start: Mapping[str, float]) -> tuple[dict[str, float], list[Free]]:
+def free_base(measured: Measured, start: Mapping[str, float]) -> tuple[dict[str, float], list[Free]]:
     """Return the base as declared, with the delays of inputs and the zeros of counters, and what of it is fitted from ``start``.
 
     What a log gives is not fitted, nor the delay of an input that never moves.
@@ -169,8 +169,8 @@ def _free_base(measured: Measured, start: Mapping[str, float]) -> tuple[dict[str
         if any(np.ptp(test.inputs[:, list(plant.inputs).index(name)]) > 0.0 for test in measured.tests):
             free.append(Free("", DELAY + name, measured.period, -EARLY * measured.period, MOST_DELAY * measured.period))
             base[DELAY + name] = 0.0
-    for sensor, step in zip(measured.sensors, measured.steps, strict=True):
-        if step > 0.0:  # where a counter begins to count is known to a step
+    for sensor, step, noise in zip(measured.sensors, measured.steps, measured.noise, strict=True):
+        if step > noise:  # where a counter begins to count is known to a step; noise of a step leaves nothing of it in the mean
             free.append(Free("", ZERO + sensor.field, step, -step, step))
             base[ZERO + sensor.field] = 0.0
     return base, free

@@ -83,6 +83,12 @@ class Models:
         own = [one.scored for one in self.all if len(one.scored.beyond(self.base)) == 1]
         return sorted((one for one in own if one.beyond(self.base)[0] in among), key=lambda one: one.left_out)  # type: ignore[operator]
 
+    @cached_property
+    def _within_repeatability(self) -> bool:
+        """Whether the base leaves less than delta above repeatability in every channel: whatever is fitted, nothing is missing."""
+        channels, features = self.analysis.channels, self.base.features
+        return bool(np.all(channels.above(features) < self.delta * channels.excess(features)))
+
     # -- candidates, by their linear responses
 
     @cached_property
@@ -93,12 +99,19 @@ class Models:
 
     @cached_property
     def _chosen(self) -> dict[frozenset[str], frozenset[int]]:
-        """The sets of candidates to fit, with the blocks without which each was chosen."""
+        """The sets of candidates to fit, with the blocks without which each was chosen.
+
+        Where the base is within repeatability they are the best candidates alone, which are shown.
+        """
         columns, moments, search = self._responses.columns, self._responses.moments, self.search
         named = [k for k, one in enumerate(columns) if one.name in self.library]
         terms = [k for k, one in enumerate(columns) if one.name in self.terms]
         singles, functions = moments.ranked([(k,) for k in named]), moments.ranked([(k,) for k in terms])
         best = best_settings(singles, columns, SETTINGS)
+        if self._within_repeatability:
+            shown = [*_first(best_settings(singles, columns, 1), FEW), *_first(best_settings(functions, columns, 1), FEW)]
+            names = {columns[one.columns[0]].name for one in shown} | (search.wanted & {one.name for one in columns})
+            return {frozenset([name]): frozenset(range(len(self.names))) for name in sorted(names)}
         pairs = moments.ranked(pairs_of(best, columns, lambda a, b: search.may_be_added(b, [*self.base.names, a])))
         first = _first(best_settings(best, columns, 1), NAMES)
         both = moments.ranked([(a.columns[0], b.columns[0]) for a in _first(functions, FUNCTIONS) for b in first])
@@ -156,9 +169,7 @@ class Models:
         A curved law may look like nothing relative to the base, and be what is missing as well.
         """
         channels, base = self.analysis.channels, self.base
-        if np.all(channels.above(base.features) < self.delta * channels.excess(base.features)):
-            return []
-        if any(self._leaves_little(one.scored) for one in first):
+        if self._within_repeatability or any(self._leaves_little(one.scored) for one in first):
             return []
         found: list[Model] = []
         ones = [one.scored for one in first if len(one.scored.beyond(base)) == 1]

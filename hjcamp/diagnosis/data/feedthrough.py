@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from hjcamp.model.checks.place_checks import PlainModel
 from hjcamp.model.declare.plant import Plant
 from hjcamp.model.files.cached import cached
+from hjcamp.model.language.vocabulary import read_vocabulary
 
 
 @cached
@@ -20,10 +22,17 @@ def passed_to(plant: type[Plant], channel: str) -> tuple[int, ...]:
 
 @cached
 def may_be_late(plant: type[Plant]) -> tuple[str, ...]:
-    """Return the inputs that may act later or earlier than logged: all but those that run on and that a sensor reads at once."""
+    """Return the inputs that may act later or earlier than logged: those in the plant's own equations, but for what a sensor reads
+    at once of an input that runs on.
+    """
+    text = " ".join(line.expression for line in read_vocabulary(plant).statements)
+    rates = plant.rates_of_inputs()
+    act = {name for name in (*plant.given_inputs(), *rates) if re.search(rf"\bu_{name}\b", text)}
+    act |= {source for name, source in rates.items() if name in act}
     places = {place for channel in plant.measured for place in passed_to(plant, channel)}
     seen = {plant.sampled_inputs()[place] for place in places}
-    return tuple(name for name, item in plant.given_inputs().items() if item.hold == "previous" or name not in seen)
+    late = (name for name, item in plant.given_inputs().items() if item.hold == "previous" or name not in seen)
+    return tuple(name for name in late if name in act)
 
 
 @cached

@@ -231,9 +231,9 @@ class Balances:
 
     def _of_rates(self, rated: Rated, states: Array, ends: Array | None = None) -> Array:
         """Return the balances (windows, features) of states (n, states) with these rates, see `_raw`."""
-        parts = []
+        parts, beyond = [], self._gains.beyond(states, ends) if rated.slopes else []
         for one in self.balanced:
-            gained = self._gains.of(one.state, rated, states, ends, by_position=one.whole)
+            gained = self._gains.of(one.state, rated, states, ends, beyond if one.whole else ())
             parts.append(np.einsum("wt,wtj->wj", gained.reshape(-1, self.layout.width), self._tests[one.name]))
             if one.whole:
                 parts.append(self._whole(gained)[:, None])

@@ -10,6 +10,7 @@ whatever the estimate :math:`\hat v`: what the position gains beyond it acts thr
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -25,8 +26,10 @@ from hjcamp.model.declare.candidate import Candidate
 from hjcamp.model.run.rates import Along, Course
 
 Array = NDArray[np.float64]
-# In usual sizes: by how much a speed is moved to see what it changes. A rate that bends by more than a tenth of that is not affine.
+# In usual sizes: by how much a speed is moved to see what it changes. Slopes there that differ by a fifth are none.
 MOVED, BENT = 1e-3, 0.1
+# Slopes follow the states, which move little in so many samples.
+EVERY = 8
 
 
 class Rated(NamedTuple):
@@ -44,19 +47,19 @@ class Gains:
     kernels: Kernels
     moving: Array
 
-    def along(self, candidate: Candidate, states: Array) -> Along:
-        """Return the rates at given states (n, states)."""
-        layout = self.layout
+    def along(self, candidate: Candidate, states: Array, some: slice = slice(None)) -> Along:
+        """Return the rates at given states (n, states), those of ``some`` of the samples."""
+        layout, count = self.layout, len(self.moving)
         model, values = self.kernels.model(candidate)
         inputs = layout.delayed({k.removeprefix(DELAY): v for k, v in candidate.base.items() if k.startswith(DELAY)})
-        if len(inputs) > len(states):
-            inputs = inputs.reshape(len(states), -1, inputs.shape[1]).mean(axis=1)
+        if len(inputs) > count:
+            inputs = inputs.reshape(count, -1, inputs.shape[1]).mean(axis=1)
+        begins, sides, time, inputs = self._begins[some], self._direction[some], layout.time[some], inputs[some]
         parts: list[tuple[slice | NDArray[np.bool_], Along]] = []
         for given, windows in layout.groups:
-            rows = slice(None) if windows.all() else np.repeat(windows, layout.width)
+            rows = slice(None) if windows.all() else np.repeat(windows, layout.width)[some]
             p = model.vector({**values, **given})
-            begins, sides = self._begins[rows], self._direction[rows]
-            course = Course(layout.measured.period, begins, layout.time[rows], sides, states[rows], inputs[rows])
+            course = Course(layout.measured.period, begins[rows], time[rows], sides[rows], states[rows], inputs[rows])
             parts.append((rows, model.rates.along(p, course, frozenset(candidate.effects))))
         if len(parts) == 1:
             return parts[0][1]
@@ -73,31 +76,43 @@ class Gains:
         """
         plain = candidate.without({name for name in candidate.effects if self.kernels.effects[name].states})
         along = self.along(candidate, states)
-        now = along if plain == candidate or not sloping else self.along(plain, states)
-        return Rated(along, tuple(self._slope(plain, states, now.before, speed) for speed, _ in (self._estimated if sloping else ())))
+        return Rated(along, self._slopes(plain, states) if sloping and self._estimated else ())
 
-    def _slope(self, plain: Candidate, states: Array, now: Array, speed: int) -> Array:
-        """Return the slopes of rates (n, states) by a speed, 0 where they are not affine in it."""
-        size, ways = MOVED * list(self.layout.measured.plant.states.values())[speed].typical, []
-        for step in (size, -size):
-            moved = states.copy()
-            moved[:, speed] += step
-            ways.append(self.along(plain, moved).before)
-        apart, bent = ways[0] - ways[1], ways[0] + ways[1] - 2.0 * now
-        return np.where(np.abs(bent) <= BENT * np.abs(apart), apart / (2.0 * size), 0.0)
+    def _slopes(self, plain: Candidate, states: Array) -> tuple[Array, ...]:
+        """Return the slopes of rates (n, states) by each estimated speed, 0 where they are not affine in it."""
+        some, found = slice(EVERY // 2, None, EVERY), []
+        course = states[some]
+        now = self.along(plain, course, some).before
+        for speed, _ in self._estimated:
+            size, ways = MOVED * list(self.layout.measured.plant.states.values())[speed].typical, []
+            # unlike steps: a rate that leaps as the speed passes 0 has two slopes there
+            for step in (size, -0.5 * size):
+                moved = course.copy()
+                moved[:, speed] += step
+                ways.append((self.along(plain, moved, some).before - now) / step)
+            slopes = np.where(np.abs(ways[0] - ways[1]) <= BENT * np.abs(ways[0] + ways[1]), 0.5 * (ways[0] + ways[1]), 0.0)
+            found.append(slopes[np.minimum(np.arange(len(states)) // EVERY, len(slopes) - 1)])
+        return tuple(found)
 
-    def of(self, state: int, rated: Rated, states: Array, ends: Array | None = None, by_position: bool = True) -> Array:
+    def of(self, state: int, rated: Rated, states: Array, ends: Array | None = None, beyond: Sequence[Array] = ()) -> Array:
         """Return what one of the states (n, states) gains in each sample (n,) beyond what its rate gives, 0 where nothing follows.
 
         ``ends`` (windows, states) are where predicted states go on to, one sample behind a window; the next one begins elsewhere.
-        ``by_position``: what positions gain beyond their estimated speeds acts as well.
+        What positions gain ``beyond`` their estimated speeds acts as well.
         """
         found = self._gained(state, rated.along.before[:, state], rated.along.after[:, state], states, ends)
-        for (speed, position), slopes in zip(self._estimated if by_position else (), rated.slopes, strict=False):
-            column = states[:, speed]
-            found -= slopes[:, state] * self._gained(position, column, np.append(column[1:], 0.0), states, ends)
+        for more, slopes in zip(beyond, rated.slopes, strict=False):
+            found -= slopes[:, state] * more
         found[self._last] = 0.0
         return found
+
+    def beyond(self, states: Array, ends: Array | None = None) -> list[Array]:
+        """Return what measured positions gain in each sample (n,) beyond their estimated speeds; ``ends`` as in `of`."""
+        return [self._gained(one, states[:, speed], self._next(states[:, speed]), states, ends) for speed, one in self._estimated]
+
+    @staticmethod
+    def _next(column: Array) -> Array:
+        return np.append(column[1:], 0.0)
 
     def _gained(self, state: int, before: Array, after: Array, states: Array, ends: Array | None) -> Array:
         """Return what a state gains in each sample (n,) beyond the mean of a rate ``before`` and ``after`` it (n,)."""

@@ -108,3 +108,9 @@ def test_what_runs_linearly_may_act_earlier_or_later(tmp_path: Path, monkeypatch
     assert found.fitted.candidate.base["delay.current"] == pytest.approx(-early, abs=0.02)
     assert found.fitted.candidate.base["outer"] == pytest.approx(0.02, rel=0.02)
     assert np.sqrt(np.mean(found.features**2)) == pytest.approx(1.0, abs=0.15)
+
+
+def test_an_input_that_no_equation_of_the_plant_contains_is_never_late() -> None:
+    # the dither acts on an effect alone; the pump by its rate
+    plant = find_plant("pump_joint").room_of("common").PLANT
+    assert may_be_late(plant) == ("pump",)

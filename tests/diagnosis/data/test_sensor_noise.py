@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from carriage import COUNT, measured_log
 
-from hjcamp.diagnosis.calibration.analysis import calibrated
+from hjcamp.diagnosis.calibration.analysis import calibrated, free_base
 from hjcamp.diagnosis.data.sensor_noise import noise_of
 from hjcamp.diagnosis.data.tests import measured_tests
 from hjcamp.records.noise import step_of
@@ -65,6 +65,13 @@ def test_a_counter_begins_to_count_within_a_step(axis: Path) -> None:
     free = {one.name: one for one in calibrated(measured, {}, unknowns=False).base.fitted.free}
     zero = free["zero.position_m"]
     assert (zero.low, zero.high) == (pytest.approx(-COUNT), pytest.approx(COUNT))
+
+
+@pytest.mark.parametrize(("noise", "known"), [(0.3, True), (0.9, True), (1.5, False), (20.0, False)])
+def test_a_converter_finer_than_its_noise_begins_nowhere(axis: Path, noise: float, known: bool) -> None:
+    measured = measured_tests([measured_log()])
+    vars(measured).update(noise=noise * measured.steps)
+    assert ("zero.position_m" in free_base(measured, {})[0]) == known
 
 
 def test_a_declared_step_is_taken_as_it_is() -> None:

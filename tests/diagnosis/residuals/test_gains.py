@@ -10,7 +10,7 @@ import pytest
 from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.residuals.balances import Balances
-from hjcamp.diagnosis.residuals.gains import Gains
+from hjcamp.diagnosis.residuals.gains import EVERY, Gains
 from hjcamp.diagnosis.residuals.kernels import Kernels
 from hjcamp.diagnosis.residuals.simulated import Predicted
 from hjcamp.model.declare.candidate import Candidate
@@ -36,6 +36,7 @@ class Press(Plant):
     area = Parameter("m^2", 1e-4)
     stiffness = Parameter("Pa/m^3", 1e11, (1e9, 1e13), base=True)
     drag = Parameter("m^2*s/m", 0.0)
+    leap = Parameter("m^3/s", 0.0)
     period = 0.002
     position_m = Measured("scale", of="position", counts=4e-4)
     pressure_pa = Measured("gauge", of="pressure", noise=400.0)
@@ -47,7 +48,8 @@ class Press(Plant):
         friction = contact(state.velocity, push=force + load, coulomb=parameter.coulomb, mass=parameter.mass)
         rate.position = state.velocity
         rate.velocity = body(force + load - friction, mass=parameter.mass, load=load, position=state.position)
-        spilled = parameter.drag * state.velocity * abs(state.velocity)
+        side = 1.0 if state.velocity > 0.0 else (-1.0 if state.velocity < 0.0 else 0.0)
+        spilled = parameter.drag * state.velocity * abs(state.velocity) + parameter.leap * side
         rate.pressure = store(drive.flow - parameter.area * state.velocity - spilled, stiffness=parameter.stiffness, name="line")
         scale = sensor(state.position)
         gauge = sensor(state.pressure)
@@ -131,8 +133,12 @@ def test_a_rate_that_bends_with_the_speed_has_no_slope_and_one_that_does_not_has
     gains = Gains(layout, Kernels(measured.plant, {}), np.sign(states[:, 2:]))
     [slope] = gains.rated(base_of(measured), states).slopes
     assert slope[:, 0] == pytest.approx(-STIFFNESS * AREA)
-    # |v| v bends most where v passes 0
+    # what leaps, or bends most, where v passes 0 has no slope there
     [slope] = gains.rated(base_of(measured, area=0.0, drag=1.0), states).slopes
     fast = np.abs(states[:, 2]) > 0.01
-    assert slope[fast, 0] == pytest.approx(-2.0 * STIFFNESS * np.abs(states[fast, 2]), rel=1e-6)
-    assert np.all(slope[states[:, 2] == 0.0, 0] == 0.0)
+    own = np.arange(len(states)) % EVERY == EVERY // 2
+    assert slope[fast & own, 0] == pytest.approx(-2.0 * STIFFNESS * np.abs(states[fast & own, 2]), rel=0.01)
+    resting = states * [1.0, 1.0, 0.0]
+    for values in ({"drag": 1.0}, {"leap": 1e-6}):
+        [slope] = gains.rated(base_of(measured, area=0.0, **values), resting).slopes
+        assert np.all(slope[:, 0] == 0.0)
