@@ -234,7 +234,7 @@ class Balances:
         parts, beyond = [], self._gains.beyond(states, ends) if rated.slopes else []
         for one in self.balanced:
             gained = self._gains.of(one.state, rated, states, ends, beyond if one.whole else ())
-            parts.append(np.einsum("wt,wtj->wj", gained.reshape(-1, self.layout.width), self._tests[one.name]))
+            parts.append((gained.reshape(-1, 1, self.layout.width) @ self._tests[one.name])[:, 0])
             if one.whole:
                 parts.append(self._whole(gained)[:, None])
         return np.concatenate(parts, axis=1)
