@@ -46,9 +46,16 @@ def with_balances(search: Search, base: Scored) -> tuple[Scored, Channels]:
     balanced = windows.balances.balanced if windows.balances else ()
     found = _base(search, base, windows.balances) if windows.balances else base
     windows.place = found.place
-    columns = _slices([layout.basis.shape[1]] * len(layout.measured.sensors) + [one.features for one in balanced])
-    names = (*(one.field for one in layout.measured.sensors), *(one.name for one in balanced))
-    return found, Channels(names, columns, repeatability_of(layout, found.fitted.features, columns))
+    widths = {one.field: layout.basis.shape[1] for one in layout.measured.sensors}
+    for one in balanced:
+        widths |= one.channels
+    columns = _slices(list(widths.values()))
+    # what adds up over a block is one number there, whatever windows it has
+    runs = len(np.unique(np.column_stack([layout.of_test, search.blocks]), axis=0))
+    lasting = {one.lasting for one in balanced}
+    together = [len(search.blocks) / runs if name in lasting else 1.0 for name in widths]
+    known = repeatability_of(layout, found.fitted.features, columns, together)
+    return found, Channels(tuple(widths), columns, known)
 
 
 def _slices(widths: Sequence[int]) -> tuple[slice, ...]:

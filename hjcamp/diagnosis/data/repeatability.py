@@ -46,10 +46,13 @@ class Repeatability:
     unsure: Array
 
 
-def repeatability_of(layout: Layout, features: Array, channels: Sequence[slice]) -> Repeatability:
+def repeatability_of(
+    layout: Layout, features: Array, channels: Sequence[slice], together: Sequence[float] | None = None
+) -> Repeatability:
     """Return that of each channel (columns of features (windows, d)) of a calibrated model, no less than the sensors' noise.
 
-    It is unsure by its one-sided interval at the level of all claims, over windows, and by the share of it that matters. Without
+    It is unsure by its one-sided interval at the level of all claims, over windows, of which in each channel so many ``together`` are
+    independent (one unless given), and by the share of it that matters. Without
     repetitions all of an error counts, and as much as a sensor's noise, and the share of it that matters, is unsure.
     """
     from scipy.special import stdtrit
@@ -59,7 +62,7 @@ def repeatability_of(layout: Layout, features: Array, channels: Sequence[slice])
         return Repeatability(np.zeros(len(channels)), np.full(len(channels), 1.0 + DELTA))
     each = np.stack([(repeated[:, one] ** 2).mean(axis=1) for one in channels], axis=1)
     squares = np.maximum(each.mean(axis=0), 1.0)
-    half = stdtrit(len(each) - 1, 1.0 - LEVEL) * each.std(axis=0, ddof=1) / math.sqrt(len(each))
+    half = stdtrit(len(each) - 1, 1.0 - LEVEL) * each.std(axis=0, ddof=1) / np.sqrt(len(each) / np.array(together or 1.0))
     return Repeatability(squares, np.maximum(half, DELTA * squares))
 
 

@@ -34,6 +34,8 @@ from hjcamp.model.run.rates import Along
 Array = NDArray[np.float64]
 # Draws of the sensors' noise by which the noise of a balance is found, and what it is where nothing is missing.
 DRAWS = 12
+# Stores whose noise is correlated by more than this share it: what a piston between them displaces goes from one to the other.
+SHARED = 0.5
 # In standard deviations of a measured state: a model whose next window begins farther off has no path across that seam.
 TORN = 5.0
 
@@ -51,6 +53,16 @@ class Balance:
         """How many numbers it gives for each window."""
         return ORDERS + self.whole
 
+    @property
+    def lasting(self) -> str:
+        """The channel of what counts over whole blocks: it is little within a window."""
+        return f"{self.name}_over_a_block"
+
+    @property
+    def channels(self) -> dict[str, int]:
+        """The channels by which it is judged, with how many numbers of a window each has."""
+        return {self.name: ORDERS} | ({self.lasting: 1} if self.whole else {})
+
 
 class Usual(NamedTuple):
     """What the balances (windows, features) of a true model are: as states are estimated, and of its predicted states alone."""
@@ -64,7 +76,8 @@ class Balances:
     """The balances of the windows of a layout, at ``states`` (n, states) as they were measured, or filled in where nothing measures.
 
     ``blocks`` (windows,) are left out by turns; ``usual`` is what they are where the base is true, ``further`` what more draws of the
-    noise make of that.
+    noise make of that. ``scale`` (features,) is that noise, and ``apart`` (features, features) what makes independent what stores
+    share of it.
     """
 
     layout: Layout
@@ -74,6 +87,7 @@ class Balances:
     blocks: NDArray[np.int64]
     balanced: tuple[Balance, ...] = ()
     scale: Array = field(default_factory=lambda: np.ones(1))
+    apart: Array = field(default_factory=lambda: np.eye(1))
     usual: Usual = field(default_factory=lambda: Usual(np.zeros(1), np.zeros(1)))
     further: Array = field(default_factory=lambda: np.zeros(1))
 
@@ -93,6 +107,7 @@ class Balances:
         drawn = found._drawn(base, shown, DRAWS)
         noise = np.var(drawn, axis=0, ddof=1)
         found.scale = np.sqrt(np.maximum(np.sum(noise, axis=0) / np.maximum(np.sum(noise > 0.0, axis=0), 1), 1e-300))
+        found.apart = found._independent((np.array(drawn) - np.mean(drawn, axis=0)) / found.scale)
         found.further = np.mean(drawn, axis=0) - np.mean(found._drawn(base, shown, 2, counted=False), axis=0)
         found.usual = found.usual_of(base, predicted)
         return found
@@ -103,7 +118,20 @@ class Balances:
         raw = self._raw(candidate, self._measured(candidate)) - usual.estimated
         if predicted:
             raw = raw - self._of_sensors(candidate, predicted) - self._of_memory(candidate, predicted, usual)
-        return np.asarray(raw / self.scale)
+        return np.asarray(raw / self.scale @ self.apart)
+
+    def _independent(self, noise: Array) -> Array:
+        """Return the inverse root of the correlation of draws of noise (draws, windows, features), among stores alone."""
+        found, begins = np.eye(noise.shape[2]), np.cumsum([0, *(one.features for one in self.balanced)])
+        stores = np.array([begin for begin, one in zip(begins[:-1], self.balanced, strict=True) if one.whole], dtype=np.int64)
+        for own in (stores + k for k in range(ORDERS + 1)):
+            moments = np.einsum("dwi,dwj->ij", noise[:, :, own], noise[:, :, own])
+            size = np.sqrt(np.maximum(np.diag(moments), 1e-300))
+            correlation = moments / np.outer(size, size)
+            if np.any(np.abs(correlation - np.diag(np.diag(correlation))) > SHARED):
+                values, vectors = np.linalg.eigh(correlation)
+                found[np.ix_(own, own)] = (vectors / np.sqrt(np.maximum(values, 1e-3))) @ vectors.T
+        return found
 
     def _counted_paths(self, readings: Array) -> Array:
         """Return predicted readings (n, sensors) with those measured where counts are most of the noise, as they are between counts.

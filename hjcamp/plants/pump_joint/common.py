@@ -46,7 +46,8 @@ class CommonJoint(Plant):
     arm_share = Parameter(
         "1", 5.3 / 18.5, (0.0, 0.97), text="share of the moving mass and of the load that is on the arm (4.5.2)"
     )
-    base_parameters = PumpJoint.base_parameters
+    # two tubes of one make differ by a percent, which the sum of both pressures shows
+    base_parameters = (*PumpJoint.base_parameters, "stiffness_asymmetry")
 
     arm_deg = Measured("encoder", of="slider_position", counts=2 * math.pi / 1024, plausible=(-2 * math.pi, 2 * math.pi))
     pressure1_mpa = Measured("gauge1", of="pressure1", noise=700.0, plausible=(-0.12e6, 2e6))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from hjcamp.diagnosis.residuals.balances import Balances
 from hjcamp.diagnosis.residuals.gains import EVERY, Gains
 from hjcamp.diagnosis.residuals.kernels import Kernels
 from hjcamp.diagnosis.residuals.simulated import Predicted
+from hjcamp.diagnosis.residuals.weak_form import ORDERS
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.records.log import TestLog
 
@@ -142,3 +144,20 @@ def test_a_rate_that_bends_with_the_speed_has_no_slope_and_one_that_does_not_has
     for values in ({"drag": 1.0}, {"leap": 1e-6}):
         [slope] = gains.rated(base_of(measured, area=0.0, **values), resting).slopes
         assert np.all(slope[:, 0] == 0.0)
+
+
+def test_noise_that_two_stores_share_is_taken_apart_and_that_of_one_is_left_alone() -> None:
+    measured, states = slipping(2)
+    found = balances_of(measured, states)
+    assert np.array_equal(found.apart, np.eye(len(found.scale)))
+    found.balanced = tuple(replace(found.balanced[0], whole=True) for _ in range(2))
+    chance = np.random.default_rng(3)
+    shared, own = chance.standard_normal((2, 12, 200, 2 * (ORDERS + 1)))
+    shared[:, :, ORDERS + 1 :] = -shared[:, :, : ORDERS + 1]
+    noise = 0.95 * shared + 0.3 * own
+    apart = noise @ found._independent(noise)
+    correlation = np.corrcoef(apart.reshape(-1, 2 * (ORDERS + 1)).T)
+    assert correlation == pytest.approx(np.eye(2 * (ORDERS + 1)), abs=0.05)
+    # whatever the order of the two stores
+    order = np.roll(np.arange(2 * (ORDERS + 1)), ORDERS + 1)
+    assert noise[:, :, order] @ found._independent(noise[:, :, order]) == pytest.approx(apart[:, :, order])
