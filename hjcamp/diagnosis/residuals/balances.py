@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.residuals.gains import Gains, Rated
-from hjcamp.diagnosis.residuals.initial_states import best_sensors, estimated, on_sensors, rate_of, shown_by
+from hjcamp.diagnosis.residuals.initial_states import best_sensors, estimated, on_sensors, rate_of, shown_by, smoothed_over
 from hjcamp.diagnosis.residuals.kernels import Kernels
 from hjcamp.diagnosis.residuals.simulated import ZERO, Predicted
 from hjcamp.diagnosis.residuals.weak_form import ORDERS, slides, test_functions
@@ -285,13 +285,13 @@ class Balances:
         """The test functions of each balance (windows, width, orders): over the longest stretch of a window in which it slides."""
         layout, plant = self.layout, self.layout.measured.plant
         contacts = [one.velocity for one in read_vocabulary(plant).contacts]
-        found = {}
+        smoothed, found = smoothed_over(layout.measured), {}
         for one in self.balanced:
             use = np.ones((len(layout.of_test), layout.width), dtype=bool)
             if not one.whole:
                 own = [contacts.index(one.name)] if one.name in contacts else range(len(contacts))
                 for k in own:
-                    use &= slides(self.moving[:, k]).reshape(use.shape)
+                    use &= slides(self.moving[:, k], smoothed.get(contacts[k], 0)).reshape(use.shape)
             found[one.name] = np.stack([test_functions(row) for row in use])
         return found
 

@@ -84,6 +84,12 @@ def estimated(measured: Measured) -> tuple[list[Array], Array]:
     return states, error
 
 
+def smoothed_over(measured: Measured) -> dict[str, int]:
+    """Return over how many samples on either side the speeds are smoothed that are estimated from measured positions."""
+    seen, above = best_sensors(measured), rate_of(measured.plant)  # type: ignore[arg-type]
+    return {speed: _half(measured, seen[of], 1)[0] for speed, of in above.items() if of in seen and speed not in seen}
+
+
 def best_sensors(measured: Measured) -> dict[str, int]:
     """Return for each state that a sensor shows the position of that which tells it best."""
     plant: Any = measured.plant

@@ -12,10 +12,14 @@ ORDERS, RISE = 4, 6
 SHORTEST = 4 * RISE
 
 
-def slides(side: Array) -> NDArray[np.bool_]:
-    """Return in which samples (n,) a contact slides one way, with `RISE` samples on both sides of them."""
+def slides(side: Array, smoothed: int = 0) -> NDArray[np.bool_]:
+    """Return in which samples (n,) a contact slides one way, with `RISE` samples on both sides of them.
+
+    There are as many more as its speed is ``smoothed`` over on either side: nearer to rest it is partly that of the rest.
+    """
+    reach = RISE + smoothed
     same = (side != 0.0) & (np.append(side[1:], side[-1]) == side)
-    return np.asarray(np.convolve(same, np.ones(2 * RISE + 1), mode="same") > 2 * RISE + 0.5)
+    return np.asarray(np.convolve(same, np.ones(2 * reach + 1), mode="same") > 2 * reach + 0.5)
 
 
 def test_functions(use: NDArray[np.bool_]) -> Array:

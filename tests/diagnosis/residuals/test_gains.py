@@ -12,9 +12,10 @@ from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.data.tests import Measured, measured_tests
 from hjcamp.diagnosis.residuals.balances import Balances
 from hjcamp.diagnosis.residuals.gains import EVERY, Gains
+from hjcamp.diagnosis.residuals.initial_states import smoothed_over
 from hjcamp.diagnosis.residuals.kernels import Kernels
 from hjcamp.diagnosis.residuals.simulated import Predicted
-from hjcamp.diagnosis.residuals.weak_form import ORDERS
+from hjcamp.diagnosis.residuals.weak_form import ORDERS, RISE, slides
 from hjcamp.model.declare.candidate import Candidate
 from hjcamp.records.log import TestLog
 
@@ -161,3 +162,14 @@ def test_noise_that_two_stores_share_is_taken_apart_and_that_of_one_is_left_alon
     # whatever the order of the two stores
     order = np.roll(np.arange(2 * (ORDERS + 1)), ORDERS + 1)
     assert noise[:, :, order] @ found._independent(noise[:, :, order]) == pytest.approx(apart[:, :, order])
+
+
+@pytest.mark.parametrize("smoothed", [0, 3, 12])
+def test_a_contact_slides_where_no_rest_is_within_what_smooths_its_speed(smoothed: int) -> None:
+    side = np.repeat([0.0, 1.0, -1.0, 0.0], [50, 80, 90, 40])
+    found, reach = slides(side, smoothed), RISE + smoothed
+    at = np.arange(len(side))
+    # a step from one sample to the next lies within both
+    assert np.array_equal(found, ((at >= 50 + reach) & (at < 129 - reach)) | ((at >= 130 + reach) & (at < 219 - reach)))
+    measured, _ = slipping(1)
+    assert smoothed_over(measured)["velocity"] > 0
