@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from hjcamp.configuration.composer import Composer
+from hjcamp.configuration.explain import Choices
 
 
-def fitted(overrides: Sequence[str], composer: Composer) -> list[str]:
+def fitted(overrides: Sequence[str], composer: Choices) -> list[str]:
     """Return the overrides with Hydra's ``+`` and ``++`` where it needs them because of what a campaign, or a choice, says.
 
     A group within a group (controller/gains) is new where the choice of that has none. A parameter of a controller that a campaign
