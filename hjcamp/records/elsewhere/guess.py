@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -89,7 +89,23 @@ def guess_map(source: Path, plant: type[Plant]) -> Guess:
     keys |= reader.keys(source, rules)
     known = replace(rules, **{name: value for name, value in keys.items() if value != OPEN})  # type: ignore[arg-type]
     chosen = {name: (one, _unit(one, table.field(name), source, known)) for name, one in found[key].items()}
-    return _written(source, plant, table, keys, chosen, parts[key])
+    lacking = _rows_without_value(source, known, [one.column.name for one, _ in chosen.values()])
+    keys |= {"gaps": OPEN} if lacking else {}
+    return _written(source, plant, table, keys, chosen, parts[key], {"gaps": lacking})
+
+
+def _rows_without_value(source: Path, known: ImportMap, columns: Sequence[str]) -> str:
+    """Say in how many rows the columns lack a value; nothing where none does, or where the table is refused for something else."""
+    asked = replace(known, rules={name: ColumnRule(name) for name in columns}, interpolate=True)
+    with suppress(UsageError):
+        if not columns:
+            return ""
+        values = np.stack(list(read_table(source, asked).columns.values()))
+        lacking = int(np.isnan(values).any(axis=0).sum())
+        return (
+            f"{lacking} of {values.shape[1]} rows lack a value: interpolate fills them in, refuse does not" if lacking else ""
+        )
+    return ""
 
 
 def _named(column: Column) -> _Named:
@@ -197,12 +213,16 @@ def _written(
     keys: dict[str, object],
     chosen: dict[str, tuple[_Named, str]],
     columns: Iterable[_Named],
+    notes: Mapping[str, str],
 ) -> Guess:
-    """Return the map as a text; a field that a log needs and no column has is open."""
+    """Return the map as a text, with what is to be known of a key; a field that a log needs and no column has is open."""
     lines = [
         f"# Guessed from {source.name}; ? is open: write the column or unit that it is, or delete the line.",
         f"plant: {plant.name}",
-        *(f"{name}: {json.dumps(value, ensure_ascii=False)}" for name, value in keys.items()),
+        *(
+            f"{name}: {json.dumps(value, ensure_ascii=False)}" + (f"  # {notes[name]}" if notes.get(name) else "")
+            for name, value in keys.items()
+        ),
     ]
     needed = {field.name for field in table.fields if field.required}
     needed |= set() if set(table.one_of) & set(chosen) else set(table.one_of[:1])

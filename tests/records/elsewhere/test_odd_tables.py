@@ -118,3 +118,18 @@ def test_times_in_steps_that_may_be_anything_are_asked_for(folder: Path) -> None
     Path("a.csv").write_text(table("time|x [mm]|u [V]", ",", 1e3 * TIME))
     read_as_guessed(2)
     assert yaml.safe_load(Path("a_map.yaml").read_text())["fields"]["time_s"]["unit"] == "?"
+
+
+@pytest.mark.parametrize("lacking", [1, 30])
+def test_rows_without_a_value_are_asked_for(folder: Path, lacking: int, capsys: pytest.CaptureFixture[str]) -> None:
+    lines = table(BRACKETS).splitlines()
+    kept = len(lines) - lacking - 5
+    lines[kept : kept + lacking] = [line.rpartition(",")[0] + "," for line in lines[kept : kept + lacking]]
+    Path("a.csv").write_text("\n".join(lines) + "\n")
+    read_as_guessed(2)
+    assert "still open: gaps" in capsys.readouterr().err
+    text = Path("a_map.yaml").read_text()
+    assert f'gaps: "?"  # {lacking} of {len(TIME)} rows lack a value' in text
+    Path("a_map.yaml").write_text(text.replace('gaps: "?"', "gaps: interpolate"))
+    assert main(["import", "a.csv", "--map", "a_map.yaml", "--output", "out.mcap"]) == 0
+    assert len(read_log("out.mcap").columns["time_s"]) == len(TIME)

@@ -39,7 +39,7 @@ WAYS = {
     "infinite": Way("a reading is infinite", "it reads inf"),
     "short": Way("read() lacks a value", "values; "),
     "long": Way("read() gives a value too many", "values; "),
-    "words": Way("read() returns text", "numbers are needed"),
+    "words": Way("read() returns text", " needed"),
     "raises": Way("read() raises", "read() failed: OSError: the cable was pulled"),
     "write_raises": Way("write() raises", "write() failed: OSError: the cable was pulled"),
     "exits": Way("read() ends the program", "read() failed: SystemExit"),

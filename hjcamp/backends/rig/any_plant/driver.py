@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from hjcamp.errors import HjcampError, shown, text_of
+from hjcamp.errors import HjcampError, counted, shown, text_of
 from hjcamp.model.files.user_file import file_of, line_in
 from hjcamp.rigs.rig import Rig
 
@@ -85,7 +85,7 @@ class Driver:
         try:
             found = [float(one) for one in values]
         except (TypeError, ValueError):
-            raise DriverFailed(f"read() gave {shown(values)}; {needed} numbers are needed") from None
+            raise DriverFailed(f"read() gave {shown(values)}; {counted(needed, 'number is', 'numbers are')} needed") from None
         if len(found) != needed:
             names = ", ".join(one.name for one in self.rig.measured)
             raise DriverFailed(f"read() gave {len(found)} values; {needed} are needed: {names}")
