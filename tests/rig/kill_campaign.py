@@ -8,6 +8,7 @@ length of an undisturbed call; processes are forked from one that has everything
 
 from __future__ import annotations
 
+import faulthandler
 import hashlib
 import os
 import random
@@ -84,6 +85,7 @@ def start(arguments: Sequence[str]) -> int:
         quiet = os.open("child.txt", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(quiet, 1)
         os.dup2(quiet, 2)
+        faulthandler.register(signal.SIGUSR1, file=2)
         os._exit(cli.run(list(arguments)))
     return child
 
@@ -96,6 +98,8 @@ def finish(child: int) -> int:
         if ended:
             return os.waitstatus_to_exitcode(status)
         time.sleep(0.01)
+    os.kill(child, signal.SIGUSR1)  # it says where each of its threads is
+    time.sleep(1.0)
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     raise TimeoutError(f"a call did not end within {PATIENCE_S:g} s: {Path('child.txt').read_text()}")
