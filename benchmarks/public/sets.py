@@ -81,6 +81,17 @@ def _silverbox(paths: list[Path]) -> tuple[dict[str, Table], dict[str, Table]]:
     return {"train": table(first, part)}, {"multisine": table(part, last), "arrow": table(100, 40575)}
 
 
+def _wiener_hammerstein(paths: list[Path]) -> tuple[dict[str, Table], dict[str, Table]]:
+    raw = _mat(paths[0])
+    first, part, last = 5200, 105_200, 184_000
+
+    def table(begin: int, end: int) -> Table:
+        time = np.arange(end - begin) / raw["fs"][0]
+        return {"time_s": time, "drive_voltage_v": raw["uBenchMark"][begin:end], "output_v": raw["yBenchMark"][begin:end]}
+
+    return {"train": table(first, part)}, {"test": table(part, last)}
+
+
 SETS = {
     "emps": PublicSet(
         "emps",
@@ -123,5 +134,16 @@ SETS = {
         1e3,
         (),
         "Published numbers on this split: Champneys et al. (2024), arXiv:2405.10779; they could not be checked and are not repeated.",
+    ),
+    "wiener_hammerstein": PublicSet(
+        "wiener_hammerstein",
+        "Schoukens, Suykens & Ljung (2009), Wiener-Hammerstein benchmark, 15th IFAC Symposium on System Identification",
+        (("WienerHammerBenchMark.mat",),),
+        _wiener_hammerstein,
+        50,
+        "mV",
+        1e3,
+        (),
+        "Published numbers are quoted in many papers, on several splits; they could not be checked and are not repeated.",
     ),
 }

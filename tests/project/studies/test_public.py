@@ -47,7 +47,12 @@ def test_a_set_is_split_as_its_loader_does(tmp_path: Path) -> None:
     train, test = SETS["silverbox"].read([tmp_path / "SNLS80mV.mat"])
     ends = {name: (table["drive_voltage_v"][0], table["output_v"][-1]) for name, table in {**train, **test}.items()}
     assert ends == {"train": (40650, -105711), "multisine": (105712, -127399), "arrow": (100, -40574)}
-    names = {"t": rows[:9, None], "qm": rows[:9, None], "vir": rows[:9, None], "qg": rows[:9, None]}
+    rows = np.arange(188_000.0)[:, None]
+    savemat(tmp_path / "WienerHammerBenchMark.mat", {"uBenchMark": rows, "yBenchMark": -rows, "fs": 51200.0})
+    train, test = SETS["wiener_hammerstein"].read([tmp_path / "WienerHammerBenchMark.mat"])
+    ends = {name: (table["drive_voltage_v"][0], table["output_v"][-1]) for name, table in {**train, **test}.items()}
+    assert ends == {"train": (5200, -105_199), "test": (105_200, -183_999)} and train["train"]["time_s"][1] == 1.0 / 51200.0
+    names = {"t": rows[:9], "qm": rows[:9], "vir": rows[:9], "qg": rows[:9]}
     for name in ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"):
         savemat(tmp_path / name, names)
     train, test = SETS["emps"].read([tmp_path / "DATA_EMPS.mat", tmp_path / "DATA_EMPS_PULSES.mat"])
