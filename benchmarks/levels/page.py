@@ -51,7 +51,14 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
         )
     ]  # fmt: skip
     sets = {"these rigs": known} | ({"fresh rigs": fresh} if fresh else {})
-    parts.append(
+    return "\n".join(
+        [*parts, *of_thresholds(sets, int(known[0]["tests"])), *of_answers(sets), *of_laws(effects), *of_intervals(intervals)]
+    )
+
+
+def of_thresholds(sets: Mapping[str, Rows], tests: int) -> list[str]:
+    """Return the tables of rigs with nothing missing by what is asked: of an effect's gain, and of the margin on null replicates."""
+    return [
         table(
             "named where nothing is missing, by how many times its usual gain an effect is asked",
             ["times", *sets],
@@ -59,10 +66,7 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
                 [f"{asked:.3g}", *(share(times_usual(rows) >= asked) for rows in sets.values())]
                 for asked in sorted([*ASKED, times_asked()])
             ),
-        )
-    )
-    tests = int(known[0]["tests"])
-    parts.append(
+        ),
         table(
             f"what each effect gains on rigs with nothing missing, and what it is asked, in {tests} tests",
             ["effect", "promises on average", "usual", "asked"],
@@ -73,9 +77,7 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
                 ]
                 for name, promised in sorted(promises_a_test().items(), key=lambda row: -row[1])
             ),
-        )
-    )
-    parts.append(
+        ),
         table(
             "called outside where nothing is missing, by the margin on the limit of the null replicates",
             ["margin", *sets],
@@ -83,9 +85,13 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
                 [f"{asked:.4g}", *(share(over(rows) > asked) for rows in sets.values())]
                 for asked in sorted([*MARGINS, margin()])
             ),
-        )
-    )
-    parts.append(
+        ),
+    ]
+
+
+def of_answers(sets: Mapping[str, Rows]) -> list[str]:
+    """Return the tables of what is reported of rigs with nothing missing: how small chance is, and the verdict by contact."""
+    return [
         table(
             "chance: the share of rigs whose p is at most as large, by null replicates alone and as reported",
             ["p at most", *(f"{kind}, {name}" for name in sets for kind in ("null replicates", "reported"))],
@@ -93,9 +99,7 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
                 [f"{p:g}", *(share(found <= p) for rows in sets.values() for found in (replicates(rows), told(rows)))]
                 for p in SHARES
             ),
-        )
-    )
-    parts.append(
+        ),
         table(
             "verdicts by contact",
             ["rigs", "contact", "nothing missing", "effect or one of", "outside"],
@@ -104,9 +108,8 @@ def page(known: Rows, fresh: Rows, effects: Rows, intervals: Rows) -> str:
                 for name, rows in sets.items()
                 for contact in [*sorted({row["contact"] for row in rows}), "all"]
             ),
-        )
-    )
-    return "\n".join([*parts, *of_laws(effects), *of_intervals(intervals)])
+        ),
+    ]
 
 
 def of_laws(effects: Rows) -> list[str]:

@@ -6,6 +6,7 @@ import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -48,25 +49,9 @@ def stage(imported: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pa
     return tmp_path
 
 
-def test_the_tour_of_an_own_plant(stage: Path) -> None:
-    done = run(
-        app,
-        [
-            "diagnose",
-            "logs/train.mcap",
-            "--only",
-            ONLY,
-            "--json",
-            "a.json",
-            "--ask",
-            "quadratic_drag",
-        ],
-    )
-    assert done.exit_code == 0, done.output
-    answer = json.loads((stage / "a.json").read_text(encoding="utf-8"))
-    assert (answer["schema"], answer["plant"]) == ("hjcamp.diagnosis/2", "stage")
-    assert (answer["verdict"], answer["effects"]) == ("effect", ["spring"])
-    page = (stage / "diagnose" / "index.html").read_text(encoding="utf-8")
+def check_diagnosis_page(folder: Path, answer: dict[str, Any]) -> None:
+    """Check the page of a diagnosis that found a spring, and the files next to it."""
+    page = (folder / "index.html").read_text(encoding="utf-8")
     assert "spring" in page and "<svg" in page and "http://" not in page.replace("http://www.w3.org", "")
     assert page.index('class="evidence"') < page.index("<math") < page.index("Effects, best first")
     assert all(
@@ -75,9 +60,35 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
     assert all(said in page for said in ("worst test", "these tests", "residual with itself", "with voltage before"))
     known = page[page.index("How well each parameter is known") :]
     assert "spring stiffness" in known and known.count("<svg") == 1
-    assert (stage / "diagnose" / "corner.svg").is_file()
-    assert "Hooke" in (stage / "diagnose" / "effect_spring.html").read_text(encoding="utf-8")
-    assert json.loads((stage / "diagnose" / "answer.json").read_text(encoding="utf-8")) == answer
+    assert (folder / "corner.svg").is_file()
+    assert "Hooke" in (folder / "effect_spring.html").read_text(encoding="utf-8")
+    assert json.loads((folder / "answer.json").read_text(encoding="utf-8")) == answer
+
+
+def check_comparison_page(folder: Path, declared: dict[str, Any], added: dict[str, Any]) -> None:
+    """Check the page of a comparison of the declared model with the one that has the spring."""
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    head = json.loads(page.partition('id="explorer-head">')[2].partition("</script>")[0])
+    assert head["models"] == ["published", "with_spring", "with_spring, calibrated here", "with_spring without spring"]
+    assert head["hidden"] == ["with_spring without spring"] and head["observed"] == "measured"
+    assert [one["name"] for one in head["channels"]] == ["position_m", "voltage_v"]
+    [test] = head["tests"]
+    assert {one["model"] for one in test["curves"]} == {-1, 0, 1, 2, 3}
+    assert [row["position_m"] for row in test["rms"][:2]] == pytest.approx(
+        [1e3 * one["error"]["position_m"]["rms"] for one in (declared, added)]  # in the unit of tables, mm
+    )
+    # without its spring the model is about as wrong as the declared one
+    assert test["rms"][3]["position_m"] > 5.0 * test["rms"][1]["position_m"]
+    assert "position_m<" not in page
+
+
+def test_the_tour_of_an_own_plant(stage: Path) -> None:
+    done = run(app, ["diagnose", "logs/train.mcap", "--only", ONLY, "--json", "a.json", "--ask", "quadratic_drag"])
+    assert done.exit_code == 0, done.output
+    answer = json.loads((stage / "a.json").read_text(encoding="utf-8"))
+    assert (answer["schema"], answer["plant"]) == ("hjcamp.diagnosis/2", "stage")
+    assert (answer["verdict"], answer["effects"]) == ("effect", ["spring"])
+    check_diagnosis_page(stage / "diagnose", answer)
     assert any(row["effect"] == "quadratic_drag" and row["asked"] for row in answer["candidates"])
     done = run(app, ["add", "spring", "logs/train.mcap", "--as", "with_spring", "--json", "b.json"])
     assert done.exit_code == 0, done.output
@@ -93,19 +104,7 @@ def test_the_tour_of_an_own_plant(stage: Path) -> None:
     assert done.exit_code == 0, done.output
     declared, added = json.loads((stage / "c.json").read_text(encoding="utf-8"))["models"]
     assert added["error"]["position_m"]["rms"] < 0.2 * declared["error"]["position_m"]["rms"]
-    page = (stage / "compare" / "index.html").read_text(encoding="utf-8")
-    head = json.loads(page.partition('id="explorer-head">')[2].partition("</script>")[0])
-    assert head["models"] == ["published", "with_spring", "with_spring, calibrated here", "with_spring without spring"]
-    assert head["hidden"] == ["with_spring without spring"] and head["observed"] == "measured"
-    assert [one["name"] for one in head["channels"]] == ["position_m", "voltage_v"]
-    [test] = head["tests"]
-    assert {one["model"] for one in test["curves"]} == {-1, 0, 1, 2, 3}
-    assert [row["position_m"] for row in test["rms"][:2]] == pytest.approx(
-        [1e3 * one["error"]["position_m"]["rms"] for one in (declared, added)]  # in the unit of tables, mm
-    )
-    # without its spring the model is about as wrong as the declared one
-    assert test["rms"][3]["position_m"] > 5.0 * test["rms"][1]["position_m"]
-    assert "position_m<" not in page
+    check_comparison_page(stage / "compare", declared, added)
     again = run(app, ["compare", "logs/train.mcap", "--json", "t.json"])
     assert again.exit_code == 0, again.output
     compared = json.loads((stage / "t.json").read_text(encoding="utf-8"))["calibrated"]["error"]["position_m"]

@@ -30,10 +30,8 @@ def check_rows(rows: list[dict[str, object]]) -> None:
     assert all(row["subsystem"] in BOXES for row in rows)
 
 
-def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
-    answer = call("diagnose", leak, "--effort", "quick", "--json", "d.json")
-    assert answer.code == 0, answer.err
-    found = read_answer(Path("d.json"))
+def check_leak(found: dict[str, Any]) -> None:
+    """Check the answer of a diagnosis of tests with a leak."""
     assert set(found) == KEYS and found["schema"] == "hjcamp.diagnosis/2" and found["plant"] == "pump_joint"
     assert (found["verdict"], found["effects"]) == ("effect", ["leakage"])
     best = found["candidates"][0]
@@ -65,10 +63,14 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     check_rows(found["where"])
     row = found["calibration"]["coulomb_positive"]
     assert row["published"] == 5.27 and row["unit"] == "N" and row["ci95"][0] < row["value"] < row["ci95"][1]
-    assert "EFFECT   leakage" in answer.out and "the least that 24 can show" in " ".join(answer.out.split())
-    assert "Calibrated: " in answer.out and "nothing stands out" in answer.out
-    assert "mm3/(s MPa)" in answer.out and "m^3" not in answer.out
-    assert f"hjcamp add leakage {leak} --as with_leakage" in answer.out
+
+
+def check_words_and_page(said: str, found: dict[str, Any], leak: Path) -> None:
+    """Check what a diagnosis of tests with a leak prints, and its page."""
+    assert "EFFECT   leakage" in said and "the least that 24 can show" in " ".join(said.split())
+    assert "Calibrated: " in said and "nothing stands out" in said
+    assert "mm3/(s MPa)" in said and "m^3" not in said
+    assert f"hjcamp add leakage {leak} --as with_leakage" in said
     page = Path("diagnose/index.html").read_text(encoding="utf-8")
     assert "<svg" in page and "Effect: leakage" in page and "Water is lost from each line" in page
     assert all(name in page for name in ("published", "calibrated", "with leakage", "floor"))
@@ -79,14 +81,12 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     assert "residual with itself" in page and 'href="effect_leakage.html"' in page
     assert Path("diagnose/effect_leakage.html").is_file() and read_answer(Path("diagnose/answer.json")) == found
 
-    answer = call("add", "leakage", leak, "--as", "bench", "--json", "a.json")
-    assert answer.code == 0, answer.err
-    added = read_answer(Path("a.json"))
+
+def check_addition(added: dict[str, Any], said: str, found: dict[str, Any]) -> None:
+    """Check what is said of the model with the leak, and its file."""
     error = added["error"]
     assert error["after"] < 1.3 * error["floor"] and error["after"] < 0.85 * error["before"]
-    assert (
-        added["helps"] is True and "leakage helps: normalised error falls by " in answer.out and "(8 tests, mean" in answer.out
-    )
+    assert added["helps"] is True and "leakage helps: normalised error falls by " in said and "(8 tests, mean" in said
     # One floor for these logs, and one scale: what was held out is not all there is, but the same rig.
     assert error["before"] == pytest.approx(found["error"]["baseline"], rel=0.2)
     assert error["after"] == pytest.approx(found["error"]["augmented"], rel=0.1)
@@ -96,12 +96,9 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
     assert len(origin["logs_sha256"]) == 24 and origin["tests_fitted"] == 16 and len(origin["tests_held_out"]) == 8
     assert "leakage.conductance" in origin["ci95"] and origin["command"].startswith("hjcamp add leakage")
 
-    answer = call("add", "leakage", leak, "--as", "bench")
-    assert answer.code == 2 and "exists" in answer.err
 
-    answer = call("compare", leak, "--model", "published", "--model", "bench", "--json", "out/c.json")
-    assert answer.code == 0, answer.err
-    compared = read_answer(Path("out/c.json"))
+def check_comparison(compared: dict[str, Any], said: str, added: dict[str, Any]) -> None:
+    """Check the comparison of the published model with the one that has the leak."""
     assert set(compared) == {"schema", "models", "where"} and compared["schema"] == "hjcamp.comparison/1"
     before, after = compared["models"]
     assert [before["name"], after["name"]] == ["published", "bench"] and before["tests"] == after["tests"] == 24
@@ -114,10 +111,27 @@ def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
         assert error["floor"] == before["error"][channel]["floor"] == added["channels"][channel]["floor"]
     assert after["score"] == pytest.approx(added["error"]["after"], rel=0.1)
     assert before["score"] == pytest.approx(added["error"]["start"], rel=0.1)
-    assert "nothing stands out" in answer.out and "hjcamp run campaign=controllers controller.model=bench" in answer.out
+    assert "nothing stands out" in said and "hjcamp run campaign=controllers controller.model=bench" in said
     check_rows(compared["where"])
     for name in ("overlay.svg", "where.svg", "horizon.svg", "index.html"):
         assert (Path("out/compare") / name).is_file()
+
+
+def test_a_leak_is_named_added_and_gone(call: Call, leak: Path) -> None:
+    answer = call("diagnose", leak, "--effort", "quick", "--json", "d.json")
+    assert answer.code == 0, answer.err
+    found = read_answer(Path("d.json"))
+    check_leak(found)
+    check_words_and_page(answer.out, found, leak)
+    answer = call("add", "leakage", leak, "--as", "bench", "--json", "a.json")
+    assert answer.code == 0, answer.err
+    added = read_answer(Path("a.json"))
+    check_addition(added, answer.out, found)
+    answer = call("add", "leakage", leak, "--as", "bench")
+    assert answer.code == 2 and "exists" in answer.err
+    answer = call("compare", leak, "--model", "published", "--model", "bench", "--json", "out/c.json")
+    assert answer.code == 0, answer.err
+    check_comparison(read_answer(Path("out/c.json")), answer.out, added)
 
 
 def test_nothing_is_missing(call: Call, null: Path) -> None:
