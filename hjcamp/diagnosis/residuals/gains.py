@@ -108,7 +108,9 @@ class Gains:
 
     def beyond(self, states: Array, ends: Array | None = None) -> list[Array]:
         """Return what measured positions gain in each sample (n,) beyond their estimated speeds; ``ends`` as in `of`."""
-        return [self._gained(one, states[:, speed], self._next(states[:, speed]), states, ends) for speed, one in self._estimated]
+        return [
+            self._gained(one, states[:, speed], self._next(states[:, speed]), states, ends) for speed, one in self._estimated
+        ]
 
     @staticmethod
     def _next(column: Array) -> Array:

@@ -38,6 +38,8 @@ class Dimension(Mapping[str, float]):
         return self._hash
 
     def __mul__(self, other: Dimension) -> Dimension:
+        if not self or not other:
+            return self or other
         return Dimension({name: self.get(name, 0.0) + other.get(name, 0.0) for name in (*self, *other)})
 
     def __pow__(self, power: float) -> Dimension:
