@@ -121,6 +121,17 @@ def test_names_of_phases_stand_with_the_log(press: Path, made: Made) -> None:
     assert phases_of(fields_of(plant_in(made(*ON_PRESS)))) == names
 
 
+def test_what_a_plant_does_around_its_motion_is_shown(press: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["plants", "press"]) == 0
+    shown = [line.split() for line in capsys.readouterr().out.splitlines()]
+    phases = {line[1]: " ".join(line[2:]) for line in shown if line[:1] == ["phase"]}
+    assert phases == {
+        "preload": "s 0.05 before the motion: voltage to 0.4 V",
+        "hold": "s 0.02 before the motion: inputs stay",
+        "release": "s 0.04 after the motion: voltage to 0.1 V",
+    }
+
+
 def test_a_signal_for_another_rig_has_the_phases(press: Path) -> None:
     words = ("plant=press", "controller=given", "trajectory=hold", "trajectory.duration=0.1", "repetitions=1")
     assert run(["plan", *words, "--signals", "out"]) == 0

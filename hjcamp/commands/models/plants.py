@@ -129,6 +129,10 @@ def declared_rows(plant: type[Plant]) -> list[dict[str, str]]:
         rows.append((kind, item.name, item.unit, f"{item.default:g}", item.text))
     rows += [("measured", channel.field, "", "", f"shows {channel.signal}") for channel in plant.channels]
     rows += [("measured", one.name, "", "", one.text or f"shows {one.sensor}") for one in plant.measured.values()]
+    for phases, when in ((plant.phases_before, "before the motion"), (plant.phases_after, "after the motion")):
+        for phase in phases:
+            ways = ", ".join(f"{name} to {value:g} {plant.inputs[name].unit}" for name, value in phase.to.items())
+            rows.append(("phase", phase.name, "s", f"{phase.seconds:g}", f"{when}: {ways or 'inputs stay'}"))
     return [dict(zip(("kind", "name", "unit", "value", "meaning"), row, strict=True)) for row in rows]
 
 
