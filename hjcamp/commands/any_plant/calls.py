@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, joined
+from hjcamp.commands.any_plant.uncertainty import Further
 from hjcamp.commands.shared.session import folder_for, keep_answer, progress_of, tell_of_views, write_answer
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import DEFAULT
@@ -104,21 +105,19 @@ def _tell_of_own(console: Console, data: Data) -> None:
 
 def calibrate(data: Data, name: str, only: list[str], conf: Path, replace: bool, json: Path | None) -> None:
     """Fit the base parameters of a plant to tests and save them as a model."""
-    calibrate_further(data, name, only, json)
+    calibrate_further(data, name, only, json, Further())
 
 
-def calibrate_further(
-    data: Data, name: str, only: list[str], json: Path | None, profile: bool = False, draws: Path | None = None
-) -> None:
-    """Calibrate, with intervals by likelihood ratio (``profile``) and draws from the posterior in a file where that is asked for."""
+def calibrate_further(data: Data, name: str, only: list[str], json: Path | None, asked: Further) -> None:
+    """Calibrate, with what is ``asked`` for besides intervals by curvature."""
     if only:
         raise UsageError(f"--only {only[0]}: it chooses logs of {DEFAULT}; of plant {data.plant_name} name the logs themselves")
     from hjcamp.analyses.uncertainty import check_posterior
     from hjcamp.campaign.execution.console import make_console
     from hjcamp.commands.any_plant import uncertainty as further
 
-    if draws is not None:
-        check_posterior(draws)
+    if asked.draws is not None:
+        check_posterior(asked.draws)
     console = make_console()
     with progress_of(console) as report:
         from hjcamp.analyses.calibrating import fit_plant
@@ -136,7 +135,7 @@ def calibrate_further(
         }
         notes = [*untold(done.analysis), *end_words(end_rows(done.analysis.windows.layout))]
         notes += still_words(still_rows(measured))
-        found = further.uncertainty(done, name, profile, draws, report)
+        found = further.uncertainty(done, name, asked, report)
         notes += found.notes
         rest: dict[str, Any] = {"notes": notes, "model": str(done.model), "rig": None, "page": None}
         write_answer(json, {**head, "calibration": done.rows, **rest, **found.content})

@@ -29,6 +29,12 @@ def calibrate(
         bool,
         typer.Option("--profile", help="Intervals by likelihood ratio, drawn on a page; says what the tests do not bound."),
     ] = False,
+    stability: Annotated[
+        bool,
+        typer.Option(
+            "--stability", help="Calibrate again with other window lengths and without each test: what depends on it."
+        ),
+    ] = False,
     posterior: Annotated[
         Path | None, typer.Option(help="Write draws from the posterior to this netCDF file, for arviz (extra 'posterior').")
     ] = None,
@@ -36,6 +42,7 @@ def calibrate(
 ) -> None:
     """Identify a rig's constants from its own logs and save them as configuration."""
     from hjcamp.commands.any_plant import calls
+    from hjcamp.commands.any_plant.uncertainty import Further
     from hjcamp.configuration.saved_model import check_name
 
     check_answer_file(json)
@@ -43,10 +50,10 @@ def calibrate(
     data = Data(paths)
     room = data.plant.room_of("calibrate")
     if room is None:
-        calls.calibrate_further(data, name, only or [], json, profile, posterior)
+        calls.calibrate_further(data, name, only or [], json, Further(profile, stability, posterior))
         return
-    if profile or posterior is not None:
-        option = "--profile" if profile else "--posterior"
+    if profile or stability or posterior is not None:
+        option = "--profile" if profile else "--stability" if stability else "--posterior"
         raise UsageError(
             f"{option}: plant {data.plant_name} is calibrated test by test, without one likelihood; it is of other plants"
         )

@@ -75,6 +75,33 @@ def test_a_parameter_that_is_not_told_is_said_in_words(capsys: pytest.CaptureFix
     assert "do not identify 'share'" in capsys.readouterr().out.replace("\n", " ")
 
 
+def test_a_calibration_that_nothing_moves_is_called_so(capsys: pytest.CaptureFixture[str]) -> None:
+    written(heated.PLANT, "slab", tests=3)
+    answer = calibrated(capsys, "--stability")
+    [row] = [answer["stability"][name] for name in answer["stability"]]
+    ways = list(row["varied"])
+    assert len(ways) == 5 and [one for one in ways if one.startswith("without")] == ["without 0", "without 1", "without 2"]
+    low, high = row["ci95"]
+    assert row["moved"] == [] and all(abs(value - row["value"]) < 2.0 * (high - low) for value in row["varied"].values())
+    assert any("no parameter depends on the windows' length or on one test" in note for note in answer["notes"])
+    page = Path(answer["page"]).read_text()
+    assert "without 1" in page and "<svg" not in page and "No parameter depends" in page
+
+
+def test_a_test_that_is_odd_is_named_with_what_it_moves(capsys: pytest.CaptureFixture[str]) -> None:
+    written(heated.PLANT, "slab", tests=3)
+    power = np.repeat(np.random.default_rng(9).uniform(0.0, 80.0, 30), 100)
+    noise = heated.NOISE * np.random.default_rng(8).standard_normal(len(power))
+    columns = {"time_s": np.arange(float(len(power))), "warmth_k": heated.course(2.9, 25.0, power) + noise, "power_w": power}
+    write_log(Path("logs/window_open.mcap"), TestLog(columns, {"plant": "slab", "period_s": "1.0", "condition": "open"}))
+    answer = calibrated(capsys, "--stability")
+    moved = [words for row in answer["stability"].values() for words in row["moved"]]
+    assert "without window_open" in moved
+    said = capsys.readouterr().out.replace("\n", " ")
+    assert "without window_open" in said and "with all" in said
+    assert "*" in Path(answer["page"]).read_text()
+
+
 def test_draws_are_netcdf_whose_marginals_are_the_intervals(capsys: pytest.CaptureFixture[str]) -> None:
     import h5netcdf
 
