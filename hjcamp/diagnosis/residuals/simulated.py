@@ -22,8 +22,8 @@ ZERO = "zero."
 STEP = 1e-3
 # So many times the steps of the plant itself: what is stiffer than that costs time for nothing that samples show.
 STIFF = 10.0
-# With an effect without states of its own it may take so many: a strong cubic spring takes 50 where the plant takes one, a dead band
-# 20 whose command a lag has smoothed.
+# With an effect without states of its own each part of a sample may take so many: a strong cubic spring takes 50 where the plant
+# takes one, a dead band 20 whose command a lag has smoothed.
 BENT = 64.0
 
 
@@ -151,7 +151,7 @@ class Simulated:
         layout, measured = self.layout, self.layout.measured
         most = STIFF * self.usual_steps
         if most and any(not self.kernels.effects[name].states for name in candidate.effects if name not in self.forms):
-            most = max(most, BENT)
+            most = max(most, BENT * layout.fine)
         count = len(begin) * samples
         plain = len(self.sizes)
         # filled where not all windows run at once

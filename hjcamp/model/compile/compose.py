@@ -184,11 +184,25 @@ class Composition:
             equations = with_reactions(equations, self.contacts, self.vocabulary.unheld)
         return lines + equations
 
+    @cached_property
+    def _loose(self) -> dict[str, set[str]]:
+        """The slots of the friction of each contact that does not lock, by the slot that says so: an effect there may have a leap."""
+        said = {line.target: line.expression for line in self.vocabulary.statements}
+        ports = [port for port in self.vocabulary.ports.values() if port.kind == "contact"]
+        return {
+            port.names["locks"]: {port.names[one] for one in ("static", "coulomb", "viscous", "friction") if one in port.names}
+            for port in ports
+            if said.get(port.names["locks"]) == "0.0"
+        }
+
     def _effects_on(self, slot: str, local: str) -> list[str]:
         """Return what the effects make of a slot, which is called ``local`` in the lines."""
         adding, changing, last = [], [], []
         known = {*self.vocabulary.known_before(slot), slot} if slot in self.vocabulary.slots else set()
+        rubbing = self._loose.get(slot, set())
         for effect in self.effects:
+            if rubbing & effect.terms.keys() and slot not in effect.terms:
+                adding.append(f"{f'if {self._gate(effect)}: ' if self.gated else ''}{local} = 1.0")
             if slot not in effect.terms:
                 continue
             term = effect.terms[slot]

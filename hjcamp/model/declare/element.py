@@ -63,7 +63,7 @@ CONTACT = Element(
         Line("_static", "slot", "drive.friction_scatter * ({static})", "push", "static friction"),
         Line("_coulomb", "slot", "drive.friction_scatter * ({coulomb})", "push", "Coulomb friction"),
         Line("_viscous", "slot", "{viscous}", "push/velocity", "viscous friction"),
-        Line("_locks", "slot", "1.0", "1", "0 where friction passes rest without a leap, and holds nothing"),
+        Line("_locks", "slot", "{locks}", "1", "0 where friction passes rest without a leap, and holds nothing"),
         Line("", "slot", "{direction} * {name}_coulomb + {name}_viscous * {velocity}", "push", "friction"),
     ),
     {"static": "{name}_static", "coulomb": "{name}_coulomb", "viscous": "{name}_viscous", "locks": "{name}_locks",
@@ -317,6 +317,10 @@ def _complete_contact(pieces: dict[str, str], where: str) -> None:
                 f"{where}: contact '{name}' has no friction that would tell the unit of a push: "
                 "give coulomb or viscous other than 0, the push that it holds against, or its mass"
             )
+    # a turn is an event where friction leaps or has a kink: one that is steady and viscous has neither
+    named = {one.id for one in ast.walk(ast.parse(pieces["viscous"] or "0.0", mode="eval")) if isinstance(one, ast.Name)}
+    steady = pieces["coulomb"] in ABSENT and pieces["static"] in ABSENT and named <= {"parameter"}
+    pieces["locks"] = "0.0" if steady and not pieces["viscous"].startswith("(") else "1.0"
     if pieces["coulomb"] in ABSENT:
         # no dry friction: a zero in the unit of a push
         pieces["coulomb"] = f"0.0 * ({pieces['push']})"
