@@ -22,7 +22,7 @@ def untold(analysis: Analysis) -> list[str]:
     from hjcamp.report.pictures.corner import SIMILAR, correlation_of
 
     fitted = analysis.base.fitted
-    covariance = np.asarray(np.linalg.pinv(fitted.information), dtype=np.float64)
+    covariance = np.asarray(np.linalg.pinv(fitted.of_readings.information), dtype=np.float64)
     similar = np.abs(correlation_of(covariance)) > SIMILAR
     base = analysis.measured.plant.base_parameters
     found = intervals(fitted, analysis.search.blocks)

@@ -29,7 +29,7 @@ def fitted_parameters(words: Words) -> tuple[list[Estimate], Any]:
         label = f"{one.effect} {one.name}".strip().replace("_", " ").replace("delay.", "delay of ")
         error = float(spread[place]) * (one.value if free.log else free.scale)
         found.append(Estimate(one.effect, label, one.value, unit, (one.low, one.high), error, one.at_bound))
-    covariance = np.asarray(np.linalg.pinv(fitted.information)[np.ix_(kept, kept)])
+    covariance = np.asarray(np.linalg.pinv(fitted.of_readings.information)[np.ix_(kept, kept)])
     return found, correlation_of(covariance)
 
 

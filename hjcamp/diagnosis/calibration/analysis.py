@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -42,6 +43,8 @@ Report = Callable[[str, float], None]
 # In samples: how much earlier and later than its log an input may act. One that runs linearly acts half a sample earlier than held; the
 # channels of a record are read within a sample.
 EARLY = 1.0
+# A base parameter is as declared to within so large a factor (one standard deviation), an input as late as logged to within a sample.
+DECLARED = 3.0
 
 
 @dataclass
@@ -167,7 +170,8 @@ def free_base(measured: Measured, start: Mapping[str, float]) -> tuple[dict[str,
     free = [_free(plant.parameters[name], start.get(name)) for name in base]
     for name in may_be_late(plant):
         if any(np.ptp(test.inputs[:, list(plant.inputs).index(name)]) > 0.0 for test in measured.tests):
-            free.append(Free("", DELAY + name, measured.period, -EARLY * measured.period, MOST_DELAY * measured.period))
+            late = MOST_DELAY * measured.period
+            free.append(Free("", DELAY + name, measured.period, -EARLY * measured.period, late, spread=measured.period))
             base[DELAY + name] = 0.0
     for sensor, step, noise in zip(measured.sensors, measured.steps, measured.noise, strict=True):
         if step > noise:  # where a counter begins to count is known to a step; noise of a step leaves nothing of it in the mean
@@ -221,6 +225,7 @@ def _free(item: object, value: float | None) -> Free:
     assert isinstance(item, Parameter)
     low, high = item.bounds
     now = item.default if value is None else value
-    log = item.prior != "uniform" and low > 0.0
+    log = item.default > 0.0 and low > 0.0
     scale = abs(now) or abs(item.default) or 1.0
-    return Free("", item.name, scale, low, high, log)
+    spread = math.log(DECLARED) if log else DECLARED * abs(item.default) or math.inf
+    return Free("", item.name, scale, low, high, log, spread, item.default)

@@ -25,6 +25,7 @@ GAINED = 0.05
 # A step that promises less is not tried: it would move a parameter by a hundredth of its standard error.
 PROMISED = 5e-5
 WORST_DAMPING = 1e6
+LEAST_DAMPING = 1e-9
 # Slopes that are followed by secants are computed afresh where a step gains less, or must be damped more.
 ENOUGH = 2.0
 FARTHEST = 10.0
@@ -34,7 +35,8 @@ FARTHEST = 10.0
 class Free:
     """A free parameter: of the base (``effect`` empty) or of an effect; ``scale`` is its usual size, SI.
 
-    ``spread`` is the standard deviation with which it is known beforehand about ``centre``, infinite where it is not.
+    ``spread`` is the standard deviation with which it is known beforehand about ``centre``, infinite where it is not; that of its
+    logarithm where it is fitted so.
     """
 
     effect: str
@@ -79,12 +81,12 @@ class Free:
         """Return how many standard deviations it is from where it was known to be."""
         if not math.isfinite(self.spread):
             return 0.0
-        return (self.value_in(candidate) - self.centre) / self.spread
+        return (self.of(candidate) - (math.log(self.centre) if self.log else self.centre / self.scale)) * self.slope
 
     @property
     def slope(self) -> float:
-        """The change of ``surprise`` for one unit of x, where it is linear in it."""
-        return self.scale / self.spread if math.isfinite(self.spread) and not self.log else 0.0
+        """The change of ``surprise`` for one unit of x."""
+        return (1.0 if self.log else self.scale) / self.spread if math.isfinite(self.spread) else 0.0
 
 
 @dataclass(frozen=True)
@@ -108,6 +110,12 @@ class Fitted:
         white = np.einsum("wfp,fg->wgp", self.slopes, w)
         found = np.einsum("wgp,wgq->pq", white, white)
         return np.asarray(found + np.diag([one.slope**2 for one in self.free]))
+
+    @property
+    def of_readings(self) -> Fitted:
+        """This fit as readings alone tell it: nothing is known of the base beforehand."""
+        free = tuple(one if one.effect else replace(one, spread=math.inf) for one in self.free)
+        return replace(self, free=free, loss=whole_loss(self.features, self.candidate, free))
 
 
 def slopes_of(windows: Windows, candidate: Candidate, free: Sequence[Free], base: Array) -> Array:
@@ -148,15 +156,12 @@ def fit(
     current = whole_loss(features, candidate, free)
     slopes, fresh = _lent(windows, candidate, free, features, near)
     close = fresh  # whether no step since they were computed has gained much
+    eased = False  # whether an undamped step is tried: damping by what readings tell holds what they do not tell
     for _ in range(rounds):
         if not free or not np.isfinite(current):
             break
-        w = whitener(features)
-        white, left = np.einsum("wfp,fg->wgp", slopes, w), features @ w
-        surprise, pull = np.array([[one.surprise(candidate), one.slope] for one in free]).T
-        curvature = np.einsum("wgp,wgq->pq", white, white) + np.diag(pull**2)
-        downhill = -np.einsum("wgp,wg->p", white, left) - pull * surprise
-        size = np.maximum(np.diag(curvature), 1e-12 * max(float(np.diag(curvature).max()), 1e-300))
+        curvature, downhill = _gauss_newton(features, slopes, candidate, free)
+        size = _sizes(curvature)
         gained = 0.0
         while damping < WORST_DAMPING:
             step = bounded_step(curvature + damping * np.diag(size), downhill, *room_of(free, candidate))
@@ -170,14 +175,18 @@ def fit(
                 move = np.array([one.of(tried) - one.of(candidate) for one in free])
                 slopes = slopes + (seen - features - slopes @ move)[:, :, None] * move / float(move @ move)
                 candidate, features, current = tried, seen, value
-                damping = max(damping * 0.1, 1e-9)
+                damping = max(damping * 0.1, LEAST_DAMPING)
                 break
             damping *= 10.0
-            if not fresh and damping > FARTHEST:
+            if eased or (not fresh and damping > FARTHEST):
                 break
         if gained < GAINED and fresh:
-            break
-        fresh = False
+            far = bounded_step(curvature + LEAST_DAMPING * np.diag(size), downhill, *room_of(free, candidate))
+            if eased or 0.5 * float(downhill @ far) < GAINED:
+                break
+            eased, damping = True, LEAST_DAMPING
+            continue
+        fresh = eased = False
         if gained >= ENOUGH:
             close = False
         elif gained < GAINED or not close:
@@ -236,6 +245,31 @@ def settled(windows: Windows, start: Candidate, free: Sequence[Free], near: Fitt
     return replace(
         found, features=features, slopes=slopes, loss=whole_loss(features, found.candidate, free), place=windows.place
     )
+
+
+def promised(found: Fitted) -> float:
+    """Return by how much a Gauss-Newton step within the bounds promises to make the loss of a fit smaller."""
+    if not found.free or not np.isfinite(found.loss):
+        return 0.0
+    curvature, downhill = _gauss_newton(found.features, found.slopes, found.candidate, found.free)
+    size = _sizes(curvature)
+    return 0.5 * float(
+        downhill @ bounded_step(curvature + LEAST_DAMPING * np.diag(size), downhill, *room_of(found.free, found.candidate))
+    )
+
+
+def _gauss_newton(features: Array, slopes: Array, candidate: Candidate, free: Sequence[Free]) -> tuple[Array, Array]:
+    """Return the Gauss-Newton matrix (free, free) and the way downhill (free,) of the loss, in units of the scales."""
+    w = whitener(features)
+    white, left = np.einsum("wfp,fg->wgp", slopes, w), features @ w
+    surprise, pull = np.array([[one.surprise(candidate), one.slope] for one in free]).T
+    curvature = np.einsum("wgp,wgq->pq", white, white) + np.diag(pull**2)
+    return curvature, -np.einsum("wgp,wg->p", white, left) - pull * surprise
+
+
+def _sizes(curvature: Array) -> Array:
+    """Return by what a Gauss-Newton matrix (free, free) is damped (free,)."""
+    return np.maximum(np.diag(curvature), 1e-12 * max(float(np.diag(curvature).max()), 1e-300))
 
 
 def whole_loss(features: Array, candidate: Candidate, free: Sequence[Free]) -> float:

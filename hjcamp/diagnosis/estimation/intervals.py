@@ -87,7 +87,7 @@ def covariance_of(fitted: Fitted, blocks: NDArray[np.int64]) -> Covariance:
     names = np.unique(blocks)
     allowed = np.array([_range(one) ** 2 / 12.0 for one in fitted.free])
     known = np.diag(1.0 / allowed)
-    values, vectors = np.linalg.eigh(fitted.information + known)
+    values, vectors = np.linalg.eigh(fitted.of_readings.information + known)
     held = values > len(values) * np.finfo(float).eps * max(float(values[-1]), 0.0)
     root = vectors[:, held] / np.sqrt(values[held])
     count = max(len(names), 2)

@@ -58,6 +58,7 @@ def posterior(
     """Return draws of all free parameters of a fit; starts of windows stay where it has put them."""
     if fitted.place is not None:
         windows.place = fitted.place
+    fitted = fitted.of_readings
     covariance = covariance_of(fitted, blocks)
     values, vectors = np.linalg.eigh(_symmetric(covariance.whole))
     values = np.maximum(values, 1e-12 * float(values[-1]))

@@ -91,6 +91,7 @@ def profiles(windows: Windows, fitted: Fitted, blocks: NDArray[np.int64], names:
 
     if fitted.place is not None:
         windows.place = fitted.place
+    fitted = fitted.of_readings
     found = covariance_of(fitted, blocks)
     naive = np.diag(np.linalg.pinv(fitted.information))
     spread = np.sqrt(np.maximum(np.diag(found.readings), 0.0))

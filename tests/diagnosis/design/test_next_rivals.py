@@ -76,7 +76,8 @@ def test_where_nothing_tells_no_test_is_proposed(axis: Path) -> None:
     other = replace(one, names=("another_name",), draws=one.draws[::-1])
     found = propose(analysis, Question((one, other), ((0, 1), (1, 0))))
     assert found.chosen == 0 and found.together == {} and found.tried > 5
-    assert found.best < 0.1
+    # one that tells them apart is worth several
+    assert found.best < 0.5
     # nothing in its equations brings the carriage back to where it was
     assert held_by_loop(analysis)
 

@@ -19,7 +19,6 @@ from hjcamp.diagnosis.decision.verdict import decided
 from hjcamp.diagnosis.estimation.bounded_step import bounded_step
 from hjcamp.diagnosis.estimation.gauss_newton import settled, whole_loss
 from hjcamp.diagnosis.estimation.intervals import intervals
-from hjcamp.diagnosis.estimation.likelihood import loss
 from hjcamp.diagnosis.residuals.continuity import Passage
 from hjcamp.diagnosis.results.answer import answer
 from hjcamp.effects import load_effects
@@ -126,7 +125,7 @@ def test_a_fit_ends_with_windows_that_begin_where_it_fits_best(turns: int) -> No
     assert found.loss == whole_loss(windows.features(found.candidate), found.candidate, found.free)
     # nothing of it is owed to what another model's starts explain
     windows.renew(found.candidate)
-    assert found.loss == pytest.approx(loss(windows.features(found.candidate)), rel=1e-6)
+    assert found.loss == pytest.approx(whole_loss(windows.features(found.candidate), found.candidate, found.free), rel=1e-6)
 
 
 @pytest.mark.usefixtures("tanks")
