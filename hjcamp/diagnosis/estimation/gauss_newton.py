@@ -141,12 +141,13 @@ def fit(
     near: Fitted | None = None,
     exact: bool = True,
     features: Array | None = None,
+    thorough: bool = True,
 ) -> Fitted:
     """Return the fit from ``start`` within its bounds; it never is worse than that. Window starts stay as they are.
 
     Slopes follow each step by a secant update (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6). They are computed afresh
-    where a step gains little, and once more where it gains nothing; ``near`` lends its own, ``exact`` asks for fresh ones at
-    the end. ``features`` are those of ``start`` where they are known.
+    where a step gains little, and once more where it gains nothing, if the fit is ``thorough``; ``near`` lends its own, ``exact``
+    asks for fresh ones at the end. ``features`` are those of ``start`` where they are known.
     """
     candidate, damping = start, 1e-3
     for one in free:
@@ -180,6 +181,8 @@ def fit(
             damping *= 10.0
             if eased or (not fresh and damping > FARTHEST):
                 break
+        if gained < GAINED and not (fresh or thorough):
+            break
         if gained < GAINED and fresh:
             far = bounded_step(curvature + LEAST_DAMPING * np.diag(size), downhill, *room_of(free, candidate))
             if eased or 0.5 * float(downhill @ far) < GAINED:
@@ -225,26 +228,34 @@ def _lent(windows: Windows, candidate: Candidate, free: Sequence[Free], base: Ar
 def settled(windows: Windows, start: Candidate, free: Sequence[Free], near: Fitted | None = None, turns: int = TURNS) -> Fitted:
     """Return the fit with the windows' starts moved along: fit, move the starts, and fit again until nothing is gained.
 
-    In the end they are moved once more, so that the residual is judged by what the starts of this very model explain.
+    Turns follow slopes by secants. In the end starts are moved once more, so that the residual is judged by what the starts of this
+    very model explain, and slopes are computed afresh: while these promise a gain, and keep to it, the turns go on.
     """
-    found = fit(windows, start, free, near=near)
+    found, stood = fit(windows, start, free, near=near, exact=False), math.inf
     for _ in range(turns):
         if not np.isfinite(found.loss):
-            break
+            return found
         before = found
         features = windows.move_starts(before.candidate, rounds=1)
-        found = fit(windows, before.candidate, free, near=before, features=features)
+        found = fit(windows, before.candidate, free, near=before, features=features, exact=False, thorough=False)
         gained = before.loss - found.loss
         # where states go on from window to window, starts that are moved may bend the loss upwards at first
-        if gained < SETTLED and (gained > -SETTLED or not windows.unseen.any()):
-            break
-    if not np.isfinite(found.loss):
-        return found
+        if gained >= SETTLED or (gained <= -SETTLED and windows.unseen.any()):
+            continue
+        found = _as_it_stands(windows, found)
+        if promised(found) < SETTLED or stood - found.loss < SETTLED:
+            return found
+        stood = found.loss
+        found = fit(windows, found.candidate, free, near=found, features=found.features, exact=False)
+    return _as_it_stands(windows, found) if np.isfinite(found.loss) else found
+
+
+def _as_it_stands(windows: Windows, found: Fitted) -> Fitted:
+    """Return a fit with the windows' starts moved to it, and with slopes computed there."""
     features = windows.move_starts(found.candidate, rounds=1)
-    slopes = slopes_of(windows, found.candidate, free, features)
-    return replace(
-        found, features=features, slopes=slopes, loss=whole_loss(features, found.candidate, free), place=windows.place
-    )
+    slopes = slopes_of(windows, found.candidate, found.free, features)
+    value = whole_loss(features, found.candidate, found.free)
+    return replace(found, features=features, slopes=slopes, loss=value, place=windows.place)
 
 
 def promised(found: Fitted) -> float:
