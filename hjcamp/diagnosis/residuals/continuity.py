@@ -10,6 +10,7 @@ doi:10.1016/S1474-6670(17)61205-9).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -116,10 +117,20 @@ class Passage:
         shift = np.einsum("wsf,wf->ws", self.shifts, left)
         begun = starts + np.where(np.isfinite(shift), shift, 0.0)
         ended = ends + np.einsum("wst,wt->ws", self.passed, begun - starts)
-        for w in np.flatnonzero(self.open):
-            begun[w] += (np.eye(len(self.unseen)) - self.told[w]) @ (ended[w - 1] - begun[w])
-            ended[w] = ends[w] + self.passed[w] @ (begun[w] - starts[w])
+        for w in self._joined:
+            own = begun[w]
+            own += self._untold[w] @ (ended[w - 1] - own)
+            ended[w] = ends[w] + self.passed[w] @ (own - starts[w])
         return begun, ended
+
+    @cached_property
+    def _joined(self) -> list[int]:
+        return np.flatnonzero(self.open).tolist()
+
+    @cached_property
+    def _untold(self) -> Array:
+        """What readings do not tell of a start (windows, states, states)."""
+        return np.eye(len(self.unseen)) - self.told
 
     def unexplained(self, left: Array, starts: Array, ends: Array) -> Array:
         """Return what no start explains of errors (windows, coefficients) from ``starts``, which lead to ``ends`` (windows, states)."""
