@@ -127,7 +127,7 @@ def at_ends(log: TestLog) -> Iterator[Finding]:
         low, high = ends_of([values], step_of(values), len(watched))
         share = float(np.mean((values <= low) | (values >= high)))
         if share > AT_END:
-            text = f"'{name}' stays at its end in {share:.0%} of all samples: what happens there is not seen"
+            text = f"'{name}' stays at its largest or smallest value in {share:.0%} of all samples: at rest, or at its sensor's end"
             yield Finding(name, text, False, kind="saturation")
 
 
