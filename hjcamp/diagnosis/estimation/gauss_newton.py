@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,6 +134,34 @@ def slopes_of(windows: Windows, candidate: Candidate, free: Sequence[Free], base
     return np.nan_to_num(np.stack(columns, axis=2), posinf=0.0, neginf=0.0) if columns else np.zeros((*base.shape, 0))
 
 
+class _Quadratic(NamedTuple):
+    """The loss about a candidate: Gauss-Newton matrix (free, free), way downhill (free,), room to both bounds (free,); in scales."""
+
+    curvature: Array
+    downhill: Array
+    room: tuple[Array, Array]
+
+    @classmethod
+    def of(cls, features: Array, slopes: Array, candidate: Candidate, free: Sequence[Free]) -> _Quadratic:
+        """Return it from features (windows, d), their slopes (windows, d, free) and what is known beforehand."""
+        w = whitener(features)
+        white, left = np.einsum("wfp,fg->wgp", slopes, w), features @ w
+        surprise, pull = np.array([[one.surprise(candidate), one.slope] for one in free]).T
+        curvature = np.einsum("wgp,wgq->pq", white, white) + np.diag(pull**2)
+        return cls(curvature, -np.einsum("wgp,wg->p", white, left) - pull * surprise, room_of(free, candidate))
+
+    def step(self, damping: float) -> Array:
+        """Return the best step (free,) within the bounds, damped by the sizes of the parameters' curvatures."""
+        own = np.diag(self.curvature)
+        size = np.maximum(own, 1e-12 * max(float(own.max()), 1e-300))
+        return bounded_step(self.curvature + damping * np.diag(size), self.downhill, *self.room)
+
+    @property
+    def promised(self) -> float:
+        """By how much a step that is hardly damped makes the loss smaller."""
+        return 0.5 * float(self.downhill @ self.step(LEAST_DAMPING))
+
+
 def fit(
     windows: Windows,
     start: Candidate,
@@ -161,12 +190,10 @@ def fit(
     for _ in range(rounds):
         if not free or not np.isfinite(current):
             break
-        curvature, downhill = _gauss_newton(features, slopes, candidate, free)
-        size = _sizes(curvature)
-        gained = 0.0
+        model, gained = _Quadratic.of(features, slopes, candidate, free), 0.0
         while damping < WORST_DAMPING:
-            step = bounded_step(curvature + damping * np.diag(size), downhill, *room_of(free, candidate))
-            if downhill @ step < PROMISED:
+            step = model.step(damping)
+            if model.downhill @ step < PROMISED:
                 break
             tried = moved_by(candidate, free, step)
             seen = windows.along(tried)
@@ -181,11 +208,8 @@ def fit(
             damping *= 10.0
             if eased or (not fresh and damping > FARTHEST):
                 break
-        if gained < GAINED and not (fresh or thorough):
-            break
-        if gained < GAINED and fresh:
-            far = bounded_step(curvature + LEAST_DAMPING * np.diag(size), downhill, *room_of(free, candidate))
-            if eased or 0.5 * float(downhill @ far) < GAINED:
+        if gained < GAINED and (fresh or not thorough):
+            if eased or not thorough or model.promised < GAINED:
                 break
             eased, damping = True, LEAST_DAMPING
             continue
@@ -262,25 +286,7 @@ def promised(found: Fitted) -> float:
     """Return by how much a Gauss-Newton step within the bounds promises to make the loss of a fit smaller."""
     if not found.free or not np.isfinite(found.loss):
         return 0.0
-    curvature, downhill = _gauss_newton(found.features, found.slopes, found.candidate, found.free)
-    size = _sizes(curvature)
-    return 0.5 * float(
-        downhill @ bounded_step(curvature + LEAST_DAMPING * np.diag(size), downhill, *room_of(found.free, found.candidate))
-    )
-
-
-def _gauss_newton(features: Array, slopes: Array, candidate: Candidate, free: Sequence[Free]) -> tuple[Array, Array]:
-    """Return the Gauss-Newton matrix (free, free) and the way downhill (free,) of the loss, in units of the scales."""
-    w = whitener(features)
-    white, left = np.einsum("wfp,fg->wgp", slopes, w), features @ w
-    surprise, pull = np.array([[one.surprise(candidate), one.slope] for one in free]).T
-    curvature = np.einsum("wgp,wgq->pq", white, white) + np.diag(pull**2)
-    return curvature, -np.einsum("wgp,wg->p", white, left) - pull * surprise
-
-
-def _sizes(curvature: Array) -> Array:
-    """Return by what a Gauss-Newton matrix (free, free) is damped (free,)."""
-    return np.maximum(np.diag(curvature), 1e-12 * max(float(np.diag(curvature).max()), 1e-300))
+    return _Quadratic.of(found.features, found.slopes, found.candidate, found.free).promised
 
 
 def whole_loss(features: Array, candidate: Candidate, free: Sequence[Free]) -> float:
