@@ -24,7 +24,6 @@ LONG_FUNCTIONS = {
     ("hjcamp/plants/pump_joint/plant.py", "equations"): "equations of a plant",
     ("hjcamp/plants/valve_joint/plant.py", "equations"): "equations of a plant",
     ("hjcamp/plants/pump_joint/feedforward.py", "command"): "equations of the thesis in their order",
-    ("hjcamp/plants/pump_joint/answers/compare_page.py", "write_pictures"): GOES,
     ("hjcamp/plants/pump_joint/diagnosis/diagnose.py", "run"): GOES,
 }
 LONG_FILES: dict[str, str] = {}

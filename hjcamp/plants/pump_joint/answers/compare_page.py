@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from hjcamp.plants.pump_joint.diagnosis.compare import Compared, Comparison
     from hjcamp.plants.pump_joint.figures.discrepancy import Overlay
 
+#: The caption and the drawing of each model's map, by its name.
+Maps = Mapping[str, tuple[str, str]]
 NOT_CALIBRATED = "not calibrated on these tests: friction and stiffness of another specimen count here"
 FITTED_TO = "the fit looks at short windows, pressures and forces, this number at whole tests; use it as it stands"
 HEADINGS = ("model", "channel", "error", "noise floor", "error / noise floor", "r2")
@@ -63,71 +65,94 @@ def places_in_words(one: Compared) -> list[str]:
 
 def write_pictures(found: Comparison, folder: Path, following: Sequence[str] = ()) -> list[Path]:
     """Write overlay, where, horizon and the page that holds them, with the commands that go on; return their paths, the page last."""
-    from hjcamp.plants.pump_joint.answers.compare_explorer import exploration_of
-    from hjcamp.plants.pump_joint.answers.compare_map import PALE_SAID, maps_of
-    from hjcamp.plants.pump_joint.figures.discrepancy import HorizonCurve, draw_horizon, draw_overlay
+    from hjcamp.plants.pump_joint.answers.compare_map import maps_of
     from hjcamp.report.pages import discrepancy_page as page
-    from hjcamp.report.pages.explorer import explorer_html
-    from hjcamp.report.pictures.drawing import draw_errors
-    from hjcamp.report.wording.names import readable
-    from hjcamp.report.wording.repeatability import NO_NOISE_FLOOR
 
-    models, last, calibrated = found.models, found.models[-1], found.calibrated
-    overlay = worst_overlay(models)
+    models, calibrated = found.models, found.calibrated
     shown = [*models, calibrated] if calibrated else models
-    curves = [HorizonCurve(one.replay.name, one.horizon.time, one.horizon.rms) for one in shown]
-    repeated = last.replay.evidence.repeated
-    scores = [(one.replay.name, one.score) for one in shown] + ([("noise floor", 1.0)] if repeated else [])
     maps = maps_of(shown)
-    pictures = {
-        "errors": draw_errors(scores, over_words(repeated), repeated),
-        "overlay": draw_overlay(overlay),
-        "where": maps[last.replay.name][1],
-        "horizon": draw_horizon(curves, last.horizon.noise_floor),
-    }
-    if calibrated:
-        pictures["where_calibrated"] = maps[calibrated.replay.name][1]
+    pictures = _pictures(found, shown, maps)
     files = [folder / f"{name}.svg" for name in pictures]
     for file, svg in zip(files, pictures.values(), strict=True):
         with whole_file(file) as stream:
             stream.write(svg.encode())
-    rows = [[one.replay.name, *error_cells(one, name)] for one in shown for name in one.errors]
+    path = folder / "index.html"
+    with whole_file(path) as stream:
+        title = "Comparison: " + ", ".join(one.replay.name for one in models)
+        parts = _parts(found, shown, maps, pictures, following)
+        stream.write(page.discrepancy_page(title, lead_of(models, calibrated), parts).encode())
+    return [*files, path]
+
+
+def _pictures(found: Comparison, shown: Sequence[Compared], maps: Maps) -> dict[str, str]:
+    """Return the pictures of a comparison by the names of their files."""
+    from hjcamp.plants.pump_joint.figures.discrepancy import HorizonCurve, draw_horizon, draw_overlay
+    from hjcamp.report.pictures.drawing import draw_errors
+
+    last = found.models[-1]
+    curves = [HorizonCurve(one.replay.name, one.horizon.time, one.horizon.rms) for one in shown]
+    repeated = last.replay.evidence.repeated
+    scores = [(one.replay.name, one.score) for one in shown] + ([("noise floor", 1.0)] if repeated else [])
+    pictures = {
+        "errors": draw_errors(scores, over_words(repeated), repeated),
+        "overlay": draw_overlay(worst_overlay(found.models)),
+        "where": maps[last.replay.name][1],
+        "horizon": draw_horizon(curves, last.horizon.noise_floor),
+    }
+    if found.calibrated:
+        pictures["where_calibrated"] = maps[found.calibrated.replay.name][1]
+    return pictures
+
+
+def _parts(
+    found: Comparison, shown: Sequence[Compared], maps: Maps, pictures: Mapping[str, str], following: Sequence[str]
+) -> list[str]:
+    """Return the parts of the page: each model's error, the worst test, where a model errs, and when."""
+    from hjcamp.plants.pump_joint.answers.compare_explorer import exploration_of
+    from hjcamp.report.pages import discrepancy_page as page
+    from hjcamp.report.pages.explorer import explorer_html
+    from hjcamp.report.wording.names import readable
+    from hjcamp.report.wording.repeatability import NO_NOISE_FLOOR
+
+    models, last, calibrated = found.models, found.models[-1], found.calibrated
+    repeated = "The noise floor is what repetitions of one test do not share: no model goes below it. 1.0 is perfect."
+    overlay = f"Overlay: {readable(worst_overlay(models).name)}, where {models[0].replay.name} is furthest off"
     parts = [
-        page.table_of(HEADINGS, rows),
-        page.note(
-            "The noise floor is what repetitions of one test do not share: no model goes below it. 1.0 is perfect."
-            if repeated
-            else NO_NOISE_FLOOR
-        ),
+        page.table_of(HEADINGS, [[one.replay.name, *error_cells(one, name)] for one in shown for name in one.errors]),
+        page.note(repeated if last.replay.evidence.repeated else NO_NOISE_FLOOR),
         page.picture("Error of each model", pictures["errors"]),
         next_steps(following),
         explorer_html(exploration_of(found)),
-        page.picture(f"Overlay: {readable(overlay.name)}, where {models[0].replay.name} is furthest off", pictures["overlay"]),
+        page.picture(overlay, pictures["overlay"]),
         page.heading(f"Where: {last.replay.name}" + (", as it stands" if calibrated else "")),
         page.note(NOT_CALIBRATED.capitalize() + ".") if calibrated else "",
-        page.bullets(places_in_words(last)),
-        page.place_table([place.row() for place in last.places]),
-        page.picture(maps[last.replay.name][0], pictures["where"]),
-        page.note(PALE_SAID),
+        *_where(last, places_in_words(last), maps),
     ]
     if calibrated:
         parts += [
             page.heading("Where: after calibrating its base parameters on these tests"),
-            page.bullets(calibrated_in_words(found)),
-            page.place_table([place.row() for place in calibrated.places]),
-            page.picture(maps[calibrated.replay.name][0], pictures["where_calibrated"]),
-            page.note(PALE_SAID),
+            *_where(calibrated, calibrated_in_words(found), maps),
         ]
-    parts += [
+    return [
+        *parts,
         page.heading("When: error against horizon"),
         page.picture("Error of the arm against the time since a restart from measured states", pictures["horizon"]),
         made_from(test.log for test in last.replay.evidence.tests),
     ]
-    path = folder / "index.html"
-    with whole_file(path) as stream:
-        title = "Comparison: " + ", ".join(one.replay.name for one in models)
-        stream.write(page.discrepancy_page(title, lead_of(models, calibrated), parts).encode())
-    return [*files, path]
+
+
+def _where(one: Compared, said: Sequence[str], maps: Maps) -> list[str]:
+    """Return the words, the table and the map of where a model errs."""
+    from hjcamp.plants.pump_joint.answers.compare_map import PALE_SAID
+    from hjcamp.report.pages import discrepancy_page as page
+
+    title, svg = maps[one.replay.name]
+    return [
+        page.bullets(said),
+        page.place_table([place.row() for place in one.places]),
+        page.picture(title, svg),
+        page.note(PALE_SAID),
+    ]
 
 
 def lead_of(models: list[Compared], calibrated: Compared | None = None) -> str:
