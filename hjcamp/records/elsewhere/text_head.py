@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from hjcamp.records.elsewhere.reader import Column
 from hjcamp.records.elsewhere.text_table import BLANKS, REMARKS, SEPARATORS, cells_of
@@ -50,10 +50,22 @@ def head_of(lines: Sequence[str], separator: str = "") -> Head:
     names, units, plain, below = _names_and_units(labelled, first)
     if plain and not lines[names[0]].lstrip().startswith(REMARKS) and _cells(lines[names[0]], used)[:width] == names[1]:
         columns = [Column(name, unit or unit_in(name)[1]) for name, unit in zip(names[1], units or [""] * width, strict=True)]
-        return Head(columns, {"units_below": True} if below else {})
+        return Head(_as_labview_says(columns, lines[:first], used), {"units_below": True} if below else {})
     said, units = names[1] or [""] * width, units or [""] * width
     columns = [Column(str(k + 1), units[k] or unit_in(said[k])[1], said=said[k]) for k in range(width)]
     return Head(columns, {"header": False, **({"skip_lines": first} if first else {})})
+
+
+def _as_labview_says(columns: list[Column], above: Sequence[str], separator: str) -> list[Column]:
+    """Return columns with the units of a LabVIEW measurement's header, where one column of times stands before all channels."""
+    known = {cells[0]: cells[1:] for line in above if (cells := _cells(line, separator))}
+    if columns[0].name != "X_Value" or known.get("X_Columns") != ["One"] or known.get("X_Dimension", [""])[0] != "Time":
+        return columns
+    units = [*known.get("Y_Unit_Label", []), *([""] * len(columns))]
+    return [
+        Column("X_Value", "s", said="time"),
+        *(replace(one, unit=one.unit or unit) for one, unit in zip(columns[1:], units, strict=False)),
+    ]
 
 
 def _names_and_units(
@@ -162,6 +174,7 @@ def _labels(line: str, separator: str, width: int, nearest: bool) -> list[str]:
         found = _cells(text, one)
         if one == BLANKS and len(found) == 2 * width and all(cell[0] in "[({<" for cell in found[1::2]):
             return [f"{name} {unit}" for name, unit in zip(found[::2], found[1::2], strict=True)]
-        if len(found) == width or (nearest and one == separator != BLANKS and len(found) == width + 1):
-            return found[:width] if any(found) else []
+        # a comment may stand behind a row, and its name behind the others
+        if len(found) == width or (one == separator != BLANKS and len(found) == width + 1):
+            return found[:width] if any(found) and not _is_row(found[:width]) else []
     return []

@@ -30,6 +30,11 @@ def table(
     return "\n".join([*(line.replace("|", separator) for line in head.splitlines()), *rows]) + f"\n{end}"
 
 
+def with_comment(text: str) -> str:
+    first = text.splitlines()[12]
+    return text.replace(first, f"{first}\tstart", 1)
+
+
 def stamps(form: str) -> list[str]:
     return [(BEGAN + timedelta(seconds=float(one))).strftime(form) for one in TIME]
 
@@ -59,8 +64,22 @@ ODD: dict[str, Callable[[], str]] = {
     "us since 1970": lambda: table("timestamp|x [mm]|u [V]", ",", since_1970(1e6)),
     "ns since 1970": lambda: table("timestamp|x [mm]|u [V]", ",", since_1970(1e9)),
     "days of a spreadsheet": lambda: table("Time|x [mm]|u [V]", ";", [f"{45356.5 + one / 86400.0:.11f}" for one in TIME]),
+    "LabVIEW": lambda: table(LABVIEW, "\t", form="{:.6f}"),
+    "LabVIEW with a comment in its first row": lambda: with_comment(table(LABVIEW, "\t", form="{:.6f}", comma=True)),
     "a name more than columns": lambda: table(BRACKETS + "|Comment"),
 }  # fmt: skip
+LABVIEW = """LabVIEW Measurement|
+Separator|Tab
+X_Columns|One
+Time_Pref|Relative
+***End_of_Header***|
+|
+Channels|2||
+Y_Unit_Label|mm|V|
+X_Dimension|Time|Time|
+X0|0.0|0.0|
+***End_of_Header***|||
+X_Value|Position|Drive|Comment"""
 ENCODED = {"utf-8": b"\xef\xbb\xbf", "utf-16-le": b"\xff\xfe", "utf-16-be": b"\xfe\xff", "cp1252": b""}
 
 

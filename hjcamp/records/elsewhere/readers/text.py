@@ -25,7 +25,7 @@ MINUS = "\N{MINUS SIGN}"  # as typesetting programs write it
 
 
 class Text(Reader):
-    endings = (".csv", ".txt", ".tsv", ".dat", ".asc")
+    endings = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm")
     says = "a table of text"
 
     def read(self, source: Path, names: list[str], rules: ImportMap) -> Table:
