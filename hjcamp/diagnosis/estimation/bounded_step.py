@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 # Directions of less curvature than this share of the largest are no directions of a step.
 FLAT = 1e-12
+# Correlations are 1 at most, but for this.
+ROUNDING = 1e-6
 # No parameter moves further than this in one step, in units of its scale (its logarithm where it is fitted so).
 FARTHEST = 2.0
 
@@ -24,8 +26,14 @@ def bounded_step(curvature: Array, downhill: Array, low: Array, high: Array) -> 
     if not len(downhill) or not np.all(np.isfinite(curvature)) or not np.all(np.isfinite(downhill)):
         return np.zeros(len(downhill))
     # in units in which each parameter has the same curvature
-    size = np.sqrt(np.maximum(np.diag(curvature), 1e-300))
-    values, vectors = np.linalg.eigh(curvature / np.outer(size, size))
+    own = np.diag(curvature)
+    size = np.sqrt(np.maximum(own, 1e-300))
+    with np.errstate(over="ignore"):
+        shared = curvature / np.outer(size, size)
+    # what is left of a curvature where nothing tells a parameter is rounding: below 0, or less than what it shares with another
+    flat = (own <= 0.0) | np.any((np.abs(shared) > 1.0 + ROUNDING) & (own[:, None] <= own), axis=1)
+    shared[flat, :] = shared[:, flat] = 0.0
+    values, vectors = np.linalg.eigh(shared)
     kept = values > FLAT * max(float(values[-1]), 1e-300)
     root = np.sqrt(values[kept])
     rows, aims = root[:, None] * vectors[:, kept].T, vectors[:, kept].T @ (downhill / size) / root
