@@ -118,7 +118,8 @@ class Balances:
         raw = self._raw(candidate, self._measured(candidate)) - usual.estimated
         if predicted:
             raw = raw - self._of_sensors(candidate, predicted) - self._of_memory(candidate, predicted, usual)
-        return np.asarray(raw / self.scale @ self.apart)
+        with np.errstate(invalid="ignore", over="ignore"):
+            return np.asarray(raw / self.scale @ self.apart)
 
     def _independent(self, noise: Array) -> Array:
         """Return the inverse root of the correlation of draws of noise (draws, windows, features), among stores alone."""
@@ -259,12 +260,15 @@ class Balances:
 
     def _of_rates(self, rated: Rated, states: Array, ends: Array | None = None) -> Array:
         """Return the balances (windows, features) of states (n, states) with these rates, see `_raw`."""
-        parts, beyond = [], self._gains.beyond(states, ends) if rated.slopes else []
-        for one in self.balanced:
-            gained = self._gains.of(one.state, rated, states, ends, beyond if one.whole else ())
-            parts.append((gained.reshape(-1, 1, self.layout.width) @ self._tests[one.name])[:, 0])
-            if one.whole:
-                parts.append(self._whole(gained)[:, None])
+        parts = []
+        # of a model that diverges there are no numbers
+        with np.errstate(invalid="ignore", over="ignore"):
+            beyond = self._gains.beyond(states, ends) if rated.slopes else []
+            for one in self.balanced:
+                gained = self._gains.of(one.state, rated, states, ends, beyond if one.whole else ())
+                parts.append((gained.reshape(-1, 1, self.layout.width) @ self._tests[one.name])[:, 0])
+                if one.whole:
+                    parts.append(self._whole(gained)[:, None])
         return np.concatenate(parts, axis=1)
 
     def _rated(self, candidate: Candidate, states: Array) -> Rated:

@@ -173,3 +173,11 @@ def test_a_contact_slides_where_no_rest_is_within_what_smooths_its_speed(smoothe
     assert np.array_equal(found, ((at >= 50 + reach) & (at < 129 - reach)) | ((at >= 130 + reach) & (at < 219 - reach)))
     measured, _ = slipping(1)
     assert smoothed_over(measured)["velocity"] > 0
+
+
+def test_a_model_that_diverges_has_balances_that_are_no_numbers_and_no_warning() -> None:
+    measured, states = slipping(5)
+    found = balances_of(measured, states)
+    for value in (np.nan, np.inf):
+        found.states[100, 0] = value
+        assert not np.isfinite(found.features(base_of(measured))).all()
