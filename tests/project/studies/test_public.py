@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import runpy
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.io import savemat
+from scipy.signal import cheby1, cheby2, lsim
 
 from benchmarks.public.sets import SETS
 
@@ -59,6 +62,35 @@ def test_a_set_is_split_as_its_loader_does(tmp_path: Path) -> None:
     assert (
         list(train) == ["train"] and list(test) == ["pulses"] and set(train["train"]) == {"time_s", "position_m", "voltage_v"}
     )
+
+
+def test_the_circuit_is_the_two_filters_that_its_authors_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from hjcamp.cli import run
+
+    monkeypatch.chdir(tmp_path)
+    Path("plants").mkdir()
+    shutil.copy(ROOT / "benchmarks" / "public" / "plants" / "wiener_hammerstein.py", "plants")
+    assert run(["model", "export", "wiener_hammerstein", "--as", "python", "--into", "circuit.py"]) == 0
+    circuit = runpy.run_path("circuit.py")
+    filters = (
+        cheby1(3, 0.5, 2 * np.pi * 4400, analog=True, output="zpk"),
+        cheby2(3, 40, 2 * np.pi * 5000, analog=True, output="zpk"),
+    )
+    values = {"zero_2": abs(filters[1][0][0]), "slope": 0.6, "threshold": 0.2, "bend": 0.1, "gain": 0.9}
+    for number, (_, poles, _) in enumerate(filters, 1):
+        pair = next(one for one in poles if one.imag > 0.0)
+        real = next(one for one in poles if abs(one.imag) < 1.0)
+        values |= {f"pole_{number}": -real.real, f"frequency_{number}": abs(pair), f"damping_{number}": -pair.real / abs(pair)}
+    # slow enough for an input that the file holds at its mean from sample to sample
+    fine, many = 20, 400
+    given = sum(np.sin(2 * np.pi * hertz / 51200.0 * np.arange(many)) for hertz in (700.0, 1600.0, 2900.0))
+    time = np.arange((many - 1) * fine + 1) / (51200.0 * fine)
+    inner = lsim(cheby1(3, 0.5, 2 * np.pi * 4400, analog=True), np.interp(time, time[::fine], given), time)[1]
+    limited = inner - 0.6 * 0.1 * np.logaddexp(0.0, (inner - 0.2) / 0.1)
+    # the states begin at 0, where the diode lets a little through already
+    expected = 0.9 * lsim(cheby2(3, 40, 2 * np.pi * 5000, analog=True), limited, time)[1][::fine]
+    found = circuit["simulate"]({"drive_voltage": given}, parameters=values)[0]["probe"]
+    assert np.max(np.abs(found - expected)) < 2e-3 * np.ptp(expected)
 
 
 @pytest.mark.parametrize("name", SETS)
