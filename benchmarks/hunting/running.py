@@ -5,7 +5,8 @@
 A case is a plant with one hidden effect, drawn within a factor of two of the library's own values, with one that the diagnosis is not
 told of, or with nothing. *hunt*: one condition, two repetitions, then what `hjcamp hunt` makes. *random*: the same condition, then as
 many tests, repeated as often, drawn at random from those that the hunt could have chosen. *full*: five conditions, three repetitions,
-one diagnosis. Simulated, since a rig in lockstep gives the same tests; effort quick. What is done is in the ledger and not done again.
+one diagnosis. Simulated, since a rig in lockstep gives the same tests; effort quick. What is done is in the ledger and not done again;
+``--table`` prints it.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from hjcamp.analyses.data import Data, silent
 from hjcamp.analyses.diagnosing import Asked, diagnose_plant
 from hjcamp.backends.virtual_rig.hidden import hidden_config
 from hjcamp.campaign.execution.console import make_console
+from hjcamp.campaign.files.provenance import git_label
 from hjcamp.campaign.one_run import make_run
 from hjcamp.commands.hunting.budget import made_seconds
 from hjcamp.configuration.composer import Composer, free
@@ -46,8 +48,12 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--only", default="")
     parser.add_argument("--folder", type=Path, default=Path("hunting_cases"))
     parser.add_argument("--ledger", type=Path, default=LEDGER)
+    parser.add_argument("--table", action="store_true", help="print what the ledger holds, and run nothing")
     given = parser.parse_args(words)
     ledger = given.ledger.resolve()
+    if given.table:
+        print(table_of(rows_of(ledger)))
+        return 0
     chosen = [one for one in list(cases())[: given.cases] if not given.only or one.rig.name == given.only]
     for one in chosen:
         done = {(row["case"], row["strategy"], row["seed"]) for row in rows_of(ledger)}
@@ -77,6 +83,19 @@ def rows_of(ledger: Path) -> list[dict[str, Any]]:
     return rows
 
 
+def table_of(rows: Sequence[dict[str, Any]]) -> str:
+    """Return what rows say of each strategy, the last one of each case: how many are right, the rig time over a full campaign's."""
+    last = {(row["case"], row["strategy"]): row for row in rows}
+    lines = ["| strategy | cases | right | false names | rig time / full campaign, median |", "|---|---|---|---|---|"]
+    for strategy in STRATEGIES:
+        own = {case: row for (case, name), row in last.items() if name == strategy}
+        shares = [row["rig_s"] / full for case, row in own.items() if (full := last.get((case, "full"), {}).get("rig_s"))]
+        right, false = (sum(bool(row[key]) for row in own.values()) for key in ("right", "false_name"))
+        share = f"{np.median(shares):.2f} ({len(shares)} cases)" if shares else "-"
+        lines.append(f"| {strategy} | {len(own)} | {right} | {false} | {share} |")
+    return "\n".join(lines)
+
+
 def add_row(ledger: Path, row: dict[str, Any]) -> None:
     """Add a row to a ledger, and print it."""
     with ledger.open("a", encoding="utf-8") as stream:
@@ -97,7 +116,7 @@ def row_of(case: Case, strategy: str, seed: int) -> dict[str, Any]:
     named = set(found["effects"]) if found["verdict"] == "effect" else set()
     judged = {"right": verdict == (word, sorted(names)), "false_name": bool(named - set(names))}
     times = {"wall_s": round(time.perf_counter() - began, 1), "cpu_s": round(time.process_time() - cpu, 1)}
-    return {"case": case.name, "strategy": strategy, "seed": seed, **found, **judged, **times}
+    return {"case": case.name, "strategy": strategy, "seed": seed, **found, **judged, **times, "code": git_label()[:8]}
 
 
 def lines_of(case: Case, seed: int, condition: tuple[str, ...]) -> list[str]:
