@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from hjcamp.campaign.plan.planning import make_plan
+import pytest
+
+from hjcamp.campaign.plan.planning import composed_plan, make_plan
+from hjcamp.configuration import shared_parts
 from hjcamp.configuration.composer import Composer
 from hjcamp.controllers import find_controller
 from hjcamp.effects import load_effects
@@ -19,10 +22,13 @@ from hjcamp.plants.pump_joint.studies.warm import (
     configured,
     follow_nothing,
     menu_tests,
+    plan_campaigns,
     tasks,
     timed,
     try_test,
 )
+
+options = Composer.options
 
 
 def kernel_of(config: dict) -> str:
@@ -64,3 +70,20 @@ def test_a_kernel_that_was_run_is_known_as_compiled() -> None:
     follow_nothing("lines", ())
     source = simulator((), "lines").source
     assert is_compiled(source) and not is_compiled(source + "\n# another text\n")
+
+
+def test_a_plan_composes_nothing_once_every_campaign_was_planned(
+    tmp_path: Path, empty_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert plan_campaigns in {call for _, call, _ in tasks()}
+    monkeypatch.setenv("HJCAMP_CACHE", str(tmp_path / "cache"))
+    chosen = {"campaign": ["robustness_vertical"]}
+    monkeypatch.setattr(Composer, "options", lambda self, group: chosen.get(group) or options(self, group))
+    shared_parts._parts.cache_clear()
+    plan_campaigns()
+    shared_parts._parts.cache_clear()
+    later = Composer()
+    monkeypatch.setattr(later._variations, "_load", lambda overrides: pytest.fail(f"composed once more: {overrides}"))
+    lines = ["campaign=robustness_vertical"]
+    assert composed_plan(lines, later)[0].conditions
+    shared_parts._parts.cache_clear()

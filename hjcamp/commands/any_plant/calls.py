@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjcamp.analyses.data import Data, joined
-from hjcamp.commands.any_plant.uncertainty import Further
+from hjcamp.commands.any_plant.uncertainty import Further, uncertainty
 from hjcamp.commands.shared.session import folder_for, keep_answer, progress_of, tell_of_views, write_answer
 from hjcamp.errors import UsageError
 from hjcamp.known_plants import DEFAULT
@@ -114,7 +114,6 @@ def calibrate_further(data: Data, name: str, only: list[str], json: Path | None,
         raise UsageError(f"--only {only[0]}: it chooses logs of {DEFAULT}; of plant {data.plant_name} name the logs themselves")
     from hjcamp.analyses.uncertainty import check_posterior
     from hjcamp.campaign.execution.console import make_console
-    from hjcamp.commands.any_plant import uncertainty as further
 
     if asked.draws is not None:
         check_posterior(asked.draws)
@@ -135,7 +134,7 @@ def calibrate_further(data: Data, name: str, only: list[str], json: Path | None,
         }
         notes = [*untold(done.analysis), *end_words(end_rows(done.analysis.windows.layout))]
         notes += still_words(still_rows(measured))
-        found = further.uncertainty(done, name, asked, report)
+        found = uncertainty(done, name, asked, report)
         notes += found.notes
         rest: dict[str, Any] = {"notes": notes, "model": str(done.model), "rig": None, "page": None}
         write_answer(json, {**head, "calibration": done.rows, **rest, **found.content})

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from hjcamp.campaign.plan.planning import composed_plan
 from hjcamp.children import safe_children
 from hjcamp.configuration.composer import Composer
 from hjcamp.effects import load_effects
@@ -66,7 +67,7 @@ def tasks() -> list[Task]:
         (f"next, {len(library)} effects under {controller}", try_test, (choice,)) for controller, choice in menu_tests().items()
     ]
     found += [task for task, _ in _of_a_diagnosis(library)]
-    found += [("diagnose, residuals of the views", compile_passes, ())]
+    found += [("diagnose, residuals of the views", compile_passes, ()), ("plan, every campaign", plan_campaigns, ())]
     return found + [("run " + " ".join(overrides), run_once, (overrides,)) for overrides in CONDITIONS]
 
 
@@ -91,6 +92,13 @@ def timed(subject: str, call: Callable[..., None], given: Sequence[object]) -> t
     begin = time.perf_counter()
     call(*given)
     return subject, time.perf_counter() - begin
+
+
+def plan_campaigns() -> None:
+    """Plan the campaigns that come along: what they are composed of is kept for the plans to come."""
+    composer = Composer()
+    for name in composer.options("campaign"):
+        composed_plan([f"campaign={name}"], composer)
 
 
 def run_once(overrides: Sequence[str]) -> None:
