@@ -86,13 +86,13 @@ class Variations:
         )
 
     def _whole(self, overrides: Sequence[Override]) -> Loaded:
-        """Return what is composed of all overrides at once, with nothing joined."""
+        """Return what is composed of all overrides at once, with nothing joined; kept where they choose options and set no value."""
         key = tuple(override.input_line or "" for override in overrides)
-        if key not in self._of_plants and key not in self._shared:
-            loaded = self._load(overrides)
+        loaded, _ = self._of_plants.get(key) or self._shared.get(key) or (self._load(overrides), frozenset())
+        if all(self._is_group(override.key_or_group) for override in overrides):
             known = self._of_plants if loaded.choices.get(PLANT) else self._shared
-            known[key] = loaded, frozenset()
-        loaded, _ = self._of_plants.get(key) or self._shared[key]
+            if key not in known:
+                known[key] = loaded, frozenset()
         return Loaded(resolved(copy.deepcopy(loaded.config), self._resolved), dict(loaded.choices))
 
     def _together(self, plant: list[Override], chosen: Mapping[str, list[Override]]) -> list[list[str]]:

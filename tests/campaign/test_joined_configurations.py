@@ -91,6 +91,16 @@ def test_a_campaign_with_more(composer: Composer, lines: tuple[str, ...], monkey
     same(joined(composer, lines), by_hydra(composer, lines, monkeypatch))
 
 
+def test_a_campaign_with_values_is_not_kept_since_there_are_any_number_of_them(composer: Composer) -> None:
+    variations = composer._variations
+    joined(composer, ("campaign=controllers", "payload=brass_8p5g"))
+    kept = {*variations._shared, *variations._of_plants}
+    assert ("campaign=controllers", "payload=brass_8p5g") in variations._shared
+    for kp in (0.5, 0.6):
+        joined(composer, ("campaign=controllers", f"controller.positive.kp={kp}"))
+    assert {*variations._shared, *variations._of_plants} == kept
+
+
 @pytest.mark.parametrize("name", OTHERS)
 def test_other_overrides(composer: Composer, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     same(joined(composer, OTHERS[name]), by_hydra(composer, OTHERS[name], monkeypatch))
