@@ -20,6 +20,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from hjcamp.diagnosis.data.counts import between_counts, counted_in_steps
 from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.data.tests import Measured
 from hjcamp.diagnosis.residuals.gains import Gains, Rated
@@ -316,25 +317,11 @@ class Balances:
             for sign in (1.0, -1.0):
                 noisy = [path + sign * error for path, error in zip(paths, errors, strict=True)]
                 if counted:
-                    noisy = [_counted(one, measured.steps, sign * phase) for one, phase in zip(noisy, phases, strict=True)]
+                    noisy = [counted_in_steps(one, measured.steps, sign * phase) for one, phase in zip(noisy, phases, strict=True)]
                 tests = [replace(test, readings=one) for test, one in zip(measured.tests, noisy, strict=True)]
                 seen = _known(layout, measured.with_tests(tests))
                 drawn.append(self._raw(model, np.where(np.isfinite(seen), seen, states)))
         return drawn
-
-
-def _counted(readings: Array, steps: Array, phases: Array) -> Array:
-    """Return readings (n, sensors) in whole steps (sensors,), 0 where none counts, that begin at phases (sensors,) of one step."""
-    size = np.where(steps > 0.0, steps, 1.0)
-    return np.where(steps > 0.0, (np.round(readings / size + phases) - phases) * size, readings)
-
-
-def between_counts(readings: Array) -> Array:
-    """Return the path (n,) of a counter: half way where its readings (n,) change, straight from there to the next change."""
-    changes = np.flatnonzero(np.diff(readings))
-    at = np.concatenate([[0.0], changes + 0.5, [len(readings) - 1.0]])
-    values = np.concatenate([readings[:1], 0.5 * (readings[changes] + readings[changes + 1]), readings[-1:]])
-    return np.asarray(np.interp(np.arange(len(readings)), at, values))
 
 
 def _known(layout: Layout, measured: Measured) -> Array:
