@@ -16,7 +16,7 @@ def fitted(overrides: Sequence[str], composer: Choices) -> list[str]:
     """
     keys = [line.partition("=")[0] for line in overrides]
     bare = [key.lstrip("+") for key in keys]
-    within = [key[:1] != "~" and "/" in key and composer.is_group(key) for key in bare]
+    within = ["/" in key and not key.startswith(("~", "hydra/")) and composer.is_group(key) for key in bare]
     by_campaign = any(key == "campaign" for key in keys)
     loose = [by_campaign and key[:1] not in "+~" and composer.is_group(key.partition(".")[0]) and "." in key for key in keys]
     if not any(within) and not any(loose):

@@ -56,7 +56,8 @@ class Variations:
         chosen: dict[str, list[Override]] = {}
         values: list[Override] = []
         for override in overrides:
-            if override.package is not None or override.is_hydra_override() or override.is_sweep_override():
+            of_hydra = override.is_hydra_override() or _group(override.key_or_group) == "hydra"
+            if override.package is not None or of_hydra or override.is_sweep_override():
                 raise NotJoinedError
         if any(override.key_or_group == CAMPAIGN for override in overrides):
             return self._whole(overrides)  # what a campaign says is the business of every part

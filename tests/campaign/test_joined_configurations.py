@@ -115,6 +115,7 @@ def test_other_overrides(composer: Composer, name: str, monkeypatch: pytest.Monk
         "pump.bore=3",
         "trajectory={kind: ramp}",
         "hydra.verbose=true",
+        "hydra/sweeper=optuna",
         "pump=pump1,pump2",
     ],
 )

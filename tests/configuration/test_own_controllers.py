@@ -117,5 +117,6 @@ def test_gains_of_nothing_are_not_tuned(folder: Path, capsys: pytest.CaptureFixt
 def test_hydras_own_sign_is_put_where_a_choice_lacks_the_group(folder: Path) -> None:
     composer = Composer()
     assert fitted(["controller/gains=mine"], composer) == ["controller/gains=mine"]
+    assert fitted(["hydra/sweeper=optuna"], composer) == ["hydra/sweeper=optuna"]  # Hydra's own groups have a choice always
     assert fitted(["plant=carriage", "controller=plain_pid", "controller/gains=mine"], composer)[-1] == "+controller/gains=mine"
     assert fitted(["controller=pid", "+controller/gains=mine"], composer)[-1] == "controller/gains=mine"
