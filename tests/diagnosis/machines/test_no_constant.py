@@ -138,7 +138,10 @@ def test_where_the_flow_is_constant_nothing_is_missing(kettle: Path) -> None:
     assert verdict.word == "nothing_missing"
     # predictions and balances, over whole blocks too, are noise though the test is simulated through
     assert analysis.windows.layout.memory and verdict.gate.upper < 0.1
-    assert np.sqrt(analysis.channels.of(np.mean(analysis.base.features**2, axis=0))) == pytest.approx(1.0, abs=0.25)
+    found = np.sqrt(analysis.channels.of(np.mean(analysis.base.features**2, axis=0)))
+    # a sum over a block is one number in each block, of which there are few
+    few = np.array([name.endswith("_over_a_block") for name in analysis.channels.names])
+    assert few.any() and found[~few] == pytest.approx(1.0, abs=0.25) and found[few] == pytest.approx(1.0, abs=0.5)
 
 
 def thinner(folder: Path, argument: str = "warmth") -> type[Effect]:
