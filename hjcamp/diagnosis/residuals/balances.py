@@ -317,7 +317,9 @@ class Balances:
             for sign in (1.0, -1.0):
                 noisy = [path + sign * error for path, error in zip(paths, errors, strict=True)]
                 if counted:
-                    noisy = [counted_in_steps(one, measured.steps, sign * phase) for one, phase in zip(noisy, phases, strict=True)]
+                    noisy = [
+                        counted_in_steps(one, measured.steps, sign * phase) for one, phase in zip(noisy, phases, strict=True)
+                    ]
                 tests = [replace(test, readings=one) for test, one in zip(measured.tests, noisy, strict=True)]
                 seen = _known(layout, measured.with_tests(tests))
                 drawn.append(self._raw(model, np.where(np.isfinite(seen), seen, states)))
