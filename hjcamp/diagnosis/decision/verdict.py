@@ -20,6 +20,7 @@ from hjcamp.diagnosis.choice.comparison_of_models import confidence_set, nested_
 from hjcamp.diagnosis.choice.models import MOTION, Models
 from hjcamp.diagnosis.decision.by_condition import Differs, differs_by_condition
 from hjcamp.diagnosis.decision.periodic_disturbance import Swing, swing_of
+from hjcamp.diagnosis.decision.whole_tests import contradicted
 from hjcamp.diagnosis.levels import ALPHA, DELTA, MOST_OF_IT
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.diagnosis.validation.blocks import advantages, chance_of_t, discrimination, ratio_t
@@ -248,7 +249,20 @@ def decided(analysis: Analysis, alpha: float = ALPHA, delta: float = DELTA) -> V
     if judged and (held := _held(analysis, found.shown)):
         none = Verdict(CANNOT_TELL, found.gate, analysis.base, found.named, found.terms, alpha=alpha, delta=delta)
         return replace(none, lacking=(*found.lacking, held))
+    if judged and found.effects and (grown := contradicted(analysis, found.model, delta)):
+        others = all(contradicted(analysis, one, delta) for one in found.rivals)
+        return _against_whole_tests(analysis, found, grown) if others else found
     return _without_law(analysis, found) if judged and not (found.effects or found.term) else found
+
+
+def _against_whole_tests(analysis: Analysis, found: Verdict, grown: str) -> Verdict:
+    """Return that none can be told of names with each of which whole tests are explained less."""
+    name = " and ".join(found.confidence_set[0]).replace("_", " ")
+    said = f"with {name} the error of whole tests grows: {grown}; it may stand for something that acts slowly"
+    return replace(
+        Verdict(CANNOT_TELL, found.gate, analysis.base, found.named, found.terms, alpha=found.alpha, delta=found.delta),
+        lacking=(*found.lacking, said),
+    )
 
 
 def _without_law(analysis: Analysis, found: Verdict) -> Verdict:

@@ -157,12 +157,30 @@ def test_nothing_is_said_of_a_base_that_a_bound_holds_with_what_was_found_too(
     for one in models.all:
         one.scored.fitted.free, one.scored.fitted.candidate = models.base.fitted.free, Candidate({"mass": mass}, {})
     monkeypatch.setattr(verdict, "Models", lambda analysis, delta: models)
+    monkeypatch.setattr(verdict, "contradicted", lambda *_: "")
     found = decided(models.analysis)
     held = word == CANNOT_TELL
     assert (found.word, found.effects) == (word, () if held else ("effect_0",))
     assert not held or found.lacking[-1].startswith("mass was driven to its bound, far from what is declared")
     # nothing of what would have been said without the bound is left
     assert not held or (found.confidence_set, found.outside, found.rivals, found.term) == (((),), False, (), None)
+
+
+@pytest.mark.parametrize("grown", ["", "angle (0.37 -> 0.42 rad)"])
+def test_no_name_is_said_with_which_whole_tests_are_explained_less(grown: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    toy = library_of(Toy(9))
+    toy.acts(toy.library["effect_0"], 1.0)
+    models = toy.models()
+    models.analysis.held = ()
+    monkeypatch.setattr(verdict, "Models", lambda analysis, delta: models)
+    asked: list[object] = []
+    monkeypatch.setattr(verdict, "contradicted", lambda analysis, model, delta: asked.append(model) or grown)
+    found = decided(models.analysis)
+    assert len(asked) == 1
+    assert (found.word, found.effects) == ((CANNOT_TELL, ()) if grown else (EFFECT, ("effect_0",)))
+    assert not grown or found.lacking == (
+        f"with effect 0 the error of whole tests grows: {grown}; it may stand for something that acts slowly",
+    )
 
 
 def stored(name: str) -> Any:
