@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hjcamp.diagnosis.residuals.free_run import whole_error
+from hjcamp.diagnosis.residuals.free_run import Whole, whole_error
 from hjcamp.errors import plain
 
 if TYPE_CHECKING:
@@ -14,12 +14,17 @@ if TYPE_CHECKING:
     from hjcamp.diagnosis.selection.scored import Scored
 
 
+def whole_of(analysis: Analysis, model: Scored) -> Whole | None:
+    """Return the error of a fitted model over whole tests; None where these are not looked at."""
+    return whole_error(analysis.search.at(model.place).windows, model.fitted.candidate)
+
+
 def contradicted(analysis: Analysis, model: Scored, delta: float) -> str:
     """Return in words which channel errs by more over whole tests with a model than with the base, by delta; else nothing.
 
     Tests are simulated from their first sample on, each begun where it fits best; where a model does not forget that they say nothing.
     """
-    before, after = (whole_error(analysis.search.at(one.place).windows, one.fitted.candidate) for one in (analysis.base, model))
+    before, after = whole_of(analysis, analysis.base), whole_of(analysis, model)
     if before is None or after is None:
         return ""
     grown = np.flatnonzero(before.rms <= (1.0 - delta) * after.rms)

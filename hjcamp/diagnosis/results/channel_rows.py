@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,8 @@ from hjcamp.diagnosis.calibration.analysis import Analysis
 from hjcamp.diagnosis.data.repeatability import in_units, shared
 from hjcamp.diagnosis.data.segments import Layout
 from hjcamp.diagnosis.data.tests import Measured, Sensor
-from hjcamp.diagnosis.residuals.free_run import Whole, whole_error
+from hjcamp.diagnosis.decision.whole_tests import whole_of
+from hjcamp.diagnosis.residuals.free_run import Whole
 from hjcamp.diagnosis.selection.scored import Scored
 from hjcamp.model.language.field_unit import unit_of_field
 
@@ -54,20 +54,14 @@ def whole_rows(analysis: Analysis, model: Scored) -> dict[str, Any]:
 
     There are no rows where either is not looked at; a model that is not, next to one that is, diverges or forgets no start.
     """
-    found = {"baseline": _whole_of(analysis, analysis.base)}
-    found["augmented"] = found["baseline"] if model is analysis.base else _whole_of(analysis, model)
+    found = {"baseline": whole_of(analysis, analysis.base)}
+    found["augmented"] = found["baseline"] if model is analysis.base else whole_of(analysis, model)
     seen = {key: one for key, one in found.items() if one is not None}
     rows = {
         one.field: {"unit": one.unit, **{key: whole_row(whole, k, one) for key, whole in seen.items()}}
         for k, one in enumerate(analysis.measured.sensors)
     }
     return {"whole_tests": rows if len(seen) == 2 else {}, "runs_away": sorted(found.keys() - seen.keys()) if seen else []}
-
-
-def _whole_of(analysis: Analysis, model: Scored) -> Whole | None:
-    windows = replace(analysis.windows)
-    windows.place = model.place
-    return whole_error(windows, model.fitted.candidate)
 
 
 def whole_row(whole: Whole, k: int, sensor: Sensor) -> dict[str, float]:

@@ -201,13 +201,12 @@ class Composition:
         known = {*self.vocabulary.known_before(slot), slot} if slot in self.vocabulary.slots else set()
         rubbing = self._loose.get(slot, set())
         for effect in self.effects:
-            if rubbing & effect.terms.keys() and slot not in effect.terms:
-                adding.append(f"{f'if {self._gate(effect)}: ' if self.gated else ''}{local} = 1.0")
+            gate = f"if {self._gate(effect)}: " if self.gated else ""
             if slot not in effect.terms:
+                adding += [f"{gate}{local} = 1.0"] if rubbing & effect.terms.keys() else []
                 continue
             term = effect.terms[slot]
             call = self._call(effect, slot, term, known)
-            gate = f"if {self._gate(effect)}: " if self.gated else ""
             if slot == effect.behind:
                 last += [f"{_arriving(effect)} = {local}", f"{gate}{local} = {call}"]
             elif slot in term.arguments:

@@ -318,9 +318,9 @@ def _complete_contact(pieces: dict[str, str], where: str) -> None:
                 "give coulomb or viscous other than 0, the push that it holds against, or its mass"
             )
     # a turn is an event where friction leaps or has a kink: one that is steady and viscous has neither
-    named = {one.id for one in ast.walk(ast.parse(pieces["viscous"] or "0.0", mode="eval")) if isinstance(one, ast.Name)}
-    steady = pieces["coulomb"] in ABSENT and pieces["static"] in ABSENT and named <= {"parameter"}
-    pieces["locks"] = "0.0" if steady and not pieces["viscous"].startswith("(") else "1.0"
+    nodes = list(ast.walk(ast.parse(pieces["viscous"] or "0.0", mode="eval").body))
+    steady = not isinstance(nodes[0], ast.Tuple) and all(one.id == "parameter" for one in nodes if isinstance(one, ast.Name))
+    pieces["locks"] = "0.0" if steady and pieces["coulomb"] in ABSENT and pieces["static"] in ABSENT else "1.0"
     if pieces["coulomb"] in ABSENT:
         # no dry friction: a zero in the unit of a push
         pieces["coulomb"] = f"0.0 * ({pieces['push']})"

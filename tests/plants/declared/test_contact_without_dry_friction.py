@@ -76,8 +76,9 @@ def solved(viscous: tuple[float, float]) -> Array:
     return np.asarray(solve_ivp(rates, (0.0, time[-1]), START, "DOP853", time, rtol=1e-11, atol=1e-14).y[0])
 
 
-def test_without_dry_friction_a_sample_is_one_step_however_often_it_turns(folder: Path) -> None:
-    found = ran(folder, "viscous=parameter.viscous")
+@pytest.mark.parametrize("viscous", ["parameter.viscous", "(parameter.viscous + parameter.more) / 4.0"])
+def test_without_dry_friction_a_sample_is_one_step_however_often_it_turns(folder: Path, viscous: str) -> None:
+    found = ran(folder, f"viscous={viscous}")
     turns = expm(np.array([[0.0, 1.0], [-STIFFNESS / MASS, -VISCOUS / MASS]]) * PERIOD)
     exact = [np.linalg.matrix_power(turns, k) @ START for k in range(SAMPLES)]
     np.testing.assert_allclose(found.states, exact, rtol=0.0, atol=1e-10)
